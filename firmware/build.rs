@@ -1,16 +1,16 @@
-//! Hands the linker the memory map and the scripts of the runtime and of the log.
+//! Passes the memory map and the scripts of the runtime and of the log to the linker.
 //!
-//! `PYLON_TELEMETRY_BAUD` is the rate of the telemetry's line (default: 921600). `PYLON_MUTATE` (one of
+//! `PYLON_TELEMETRY_BAUD` is the baud rate of the telemetry line (default: 921600). `PYLON_MUTATE` (one of
 //! [`MUTATIONS`]) plants an error or a load (`src/mutation.rs`).
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// The rate of the telemetry's line unless the environment says another, baud.
+/// Default rate of the telemetry line, baud.
 const TELEMETRY_BAUD: u32 = 921_600;
 
-/// What can be planted.
+/// The errors and loads that can be planted.
 const MUTATIONS: [&str; 8] =
     ["ulp", "panic", "fault", "starve", "strike", "slow_line", "full_line", "silent_line"];
 
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Writes the rate of the telemetry's line as a constant.
+/// Writes the rate of the telemetry line as a constant.
 fn write_telemetry(out: &Path) -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-env-changed=PYLON_TELEMETRY_BAUD");
     let baud = match env::var("PYLON_TELEMETRY_BAUD") {

@@ -1,4 +1,4 @@
-//! Generates the firmware's source of some models, as the firmware's own build does.
+//! Generates the firmware's source for some models, as the firmware's own build does.
 //!
 //! `tests/generated_models.rs` compiles it and compares it with the host's models.
 

@@ -1,20 +1,20 @@
-//! Puts uPlot, which draws the page of `pylon report`, where `src/report/page.rs` includes it from.
+//! Copies uPlot, which draws the page of `pylon report`, to where `src/report/page.rs` includes it.
 //!
-//! npm fetches the version that `npm/package-lock.json` pins and checks it against the checksum there, once:
-//! it is kept beside what cargo builds. `PYLON_UPLOT` names a folder that has the package already.
+//! npm fetches the version that `npm/package-lock.json` pins, once, and checks it against the checksum there.
+//! The package is kept in cargo's target folder. `PYLON_UPLOT` names a folder that already has it.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs, process};
 
-/// What is taken from the package.
+/// Files taken from the package, and their names in the output folder.
 const FILES: [(&str, &str); 3] = [
     ("dist/uPlot.iife.min.js", "uplot.js"),
     ("dist/uPlot.min.css", "uplot.css"),
     ("LICENSE", "uplot-license.txt"),
 ];
-/// What says which version.
+/// Files that pin the version.
 const PINS: [&str; 2] = ["package.json", "package-lock.json"];
 
 fn main() {
@@ -47,7 +47,7 @@ fn provide() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The package's folder, fetched if it is not there: one for all that is built in the target folder.
+/// The package's folder, fetched if it is missing. All builds in one target folder share it.
 fn fetched(out: &Path) -> Result<PathBuf, Box<dyn Error>> {
     // target/PROFILE/build/pylon-HASH/out
     let target = out.ancestors().nth(4).ok_or("cargo's folder is not as deep as it used to be")?;
@@ -55,7 +55,7 @@ fn fetched(out: &Path) -> Result<PathBuf, Box<dyn Error>> {
     let folder = target.join("npm/report");
     let is_there = fs::read(folder.join("package-lock.json")).is_ok_and(|found| found == lock);
     if !is_there {
-        // Whole or not at all: another build may be doing the same.
+        // Complete or not at all: another build may be doing the same.
         let making = out.join("npm");
         let _ = fs::remove_dir_all(&making);
         fs::create_dir_all(&making)?;

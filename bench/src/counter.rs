@@ -11,27 +11,27 @@ pub struct Counter {
     overhead: u32,
 }
 
-/// What is counted: one call, behind a vtable, so that every call is made by the same instructions.
+/// What is counted: one call through a vtable, so that the same instructions make every call.
 pub trait Call {
     /// The call.
     fn call(&mut self);
 }
 
-/// What a number of calls took, in instructions each.
+/// Instructions per call, over a number of calls.
 #[derive(Clone, Copy)]
 pub struct Count {
     /// The cheapest call.
     pub least: u32,
-    /// The dearest call.
+    /// The most expensive call.
     pub most: u32,
     /// The mean.
     pub mean: f32,
 }
 
 impl Counter {
-    /// Starts TIM2 and takes off what a call of nothing costs (the call and the return, mostly).
+    /// Starts TIM2 and measures the cost of an empty call (mostly the call and the return), to subtract it.
     ///
-    /// `None` when the clock is not what this module assumes: 100 `nop`s must count as 100.
+    /// `None` if the clock is not what this module assumes: 100 `nop`s must count as 100.
     pub fn new(tim2: TIM2, rcc: &RCC) -> Option<Self> {
         rcc.apb1enr().modify(|_, w| w.tim2en().enabled());
         tim2.psc().write(|w| w.psc().set(0));

@@ -1,4 +1,5 @@
-//! What a formula costs: programs of one kind of operation each, over signals that change at every tick.
+//! The cost of a formula: programs that each use one kind of operation, over signals that change at every
+//! tick.
 
 use core::hint::black_box;
 
@@ -9,7 +10,7 @@ use kf_core::input::{Signals, TickInput};
 use crate::counter::{Call, Count, Counter};
 use crate::{Outcome, Role, TICK_US, TICKS};
 
-/// Seconds of a tick.
+/// Duration of a tick, seconds.
 const SECONDS: f32 = 0.005;
 
 const AIRSPEED: Op = Op::Signal(Signal::Airspeed.place());
@@ -17,7 +18,7 @@ const THROTTLE: Op = Op::Signal(Signal::Throttle.place());
 const LAUNCH: Op = Op::Signal(Signal::Launch.place());
 const CLIMB: Op = Op::Signal(Signal::ClimbRate.place());
 
-/// `airspeed^2 / (2 g) * throttle * step(launch)`, as an effect of one's own is.
+/// `airspeed^2 / (2 g) * throttle * step(launch)`, a typical effect of a user's own.
 const HEAD: [Op; 9] = [
     AIRSPEED,
     Op::Power(2),
@@ -33,7 +34,7 @@ const HEAD: [Op; 9] = [
 /// `baro.dynamic_pressure` as a formula: `airspeed^2 / (2 g)`.
 const DYNAMIC_PRESSURE: [Op; 4] = [AIRSPEED, Op::Power(2), Op::Constant(19.613_3), Op::Divide];
 
-/// Every operation on numbers alone that is a machine's own.
+/// All operations without a memory that are machine instructions.
 const ARITHMETIC: [Op; 24] = [
     AIRSPEED,
     Op::Constant(20.0),
@@ -61,7 +62,7 @@ const ARITHMETIC: [Op; 24] = [
     Op::Multiply,
 ];
 
-/// Every operation with a memory.
+/// All operations with a memory.
 const MEMORY: [Op; 17] = [
     AIRSPEED,
     Op::Constant(2.0),
@@ -82,7 +83,7 @@ const MEMORY: [Op; 17] = [
     Op::AtLaunch { at: 34, of: TOP },
 ];
 
-/// Series and roots: libm's and `kf_core::trigonometry`'s.
+/// Series and roots, from libm and `kf_core::trigonometry`.
 const FUNCTIONS: [Op; 9] = [
     CLIMB,
     Op::Sine,
@@ -109,7 +110,7 @@ impl Call for Tick {
     }
 }
 
-/// An effect of the catalogue, as it is compiled.
+/// A compiled effect of the catalogue.
 struct Compiled {
     tracker: SignalTracker,
     regressor: Regressor,
@@ -137,7 +138,7 @@ fn compiled(counter: &Counter, name: &'static str, effect: EffectId) -> Outcome 
     Outcome { role: Role::Ours, name, count, state: [tick.value, 0.0, 0.0, 0.0], variances: [0.0; 4] }
 }
 
-/// One row for each kind of operation, and an effect both ways; `None` where a program is none.
+/// One row for each kind of operation, and one effect in both forms; `None` if a program is invalid.
 pub fn outcomes(counter: &Counter) -> Option<[Outcome; 6]> {
     Some([
         compiled(counter, "compiled baro.dynamic_pressure", EffectId::BaroDynamicPressure),

@@ -1,5 +1,5 @@
-//! Instructions of one tick of the paper's 4-state, 4-sensor problem, ours beside its peers, in one
-//! image, counted by QEMU. Only QEMU can run it.
+//! Instructions of one tick of the paper's 4-state, 4-sensor problem, for our filter and its peers, in one
+//! image, counted by QEMU. It runs only in QEMU.
 #![no_std]
 #![no_main]
 
@@ -22,11 +22,12 @@ use counter::{Call, Count, Counter};
 use kf_core::estimator::ConfigError;
 use problem::{Filter, Measurements};
 
-/// Ticks that each filter is measured over.
+/// Ticks over which each filter is measured.
 const TICKS: u32 = 400;
 /// Microseconds of one tick.
 const TICK_US: u64 = 5_000;
-/// How far two filters may end from each other, in posterior sigmas: they only differ by rounding.
+/// Largest allowed distance between two filters at the end, in posterior sigmas: they differ only by
+/// rounding.
 const AGREEMENT_SIGMAS: f32 = 0.05;
 
 /// One filter and the tick's measurements, so that a call takes one argument.
@@ -42,14 +43,14 @@ impl<F: Filter> Call for Tick<F> {
     }
 }
 
-/// In which role a filter is measured.
+/// The role in which a filter is measured.
 #[derive(Clone, Copy)]
 enum Role {
     /// kf-core.
     Ours,
     /// A published filter, or the textbook's form on a published matrix library.
     Peer,
-    /// For comparison only: nobody publishes it.
+    /// For comparison only: not published.
     Reference,
 }
 
@@ -63,7 +64,7 @@ impl Role {
     }
 }
 
-/// How a filter fared.
+/// The result of a filter.
 struct Outcome {
     role: Role,
     name: &'static str,
@@ -82,7 +83,7 @@ fn run<F: Filter>(counter: &Counter, role: Role, name: &'static str, filter: F) 
     Outcome { role, name, count, state: tick.filter.state(), variances: tick.filter.variances() }
 }
 
-/// Whether two filters ended at the same state and covariance, but for rounding.
+/// Whether two filters ended at the same state and covariance, except for rounding.
 fn agree(a: &Outcome, b: &Outcome) -> bool {
     (0..4).all(|i| {
         let apart = a.state[i] - b.state[i];
@@ -103,7 +104,7 @@ fn main() -> ! {
     status.exit_process()
 }
 
-/// The filters that solve the 4-state problem, and must agree. The first is the one agreed with.
+/// The filters that solve the 4-state problem and must agree. The others are compared with the first.
 fn four_states(counter: &Counter) -> Result<[Outcome; 11], ConfigError> {
     Ok([
         run(counter, Role::Peer, "nalgebra sequential", textbook::Sequential::<false>::new()),
@@ -120,7 +121,7 @@ fn four_states(counter: &Counter) -> Result<[Outcome; 11], ConfigError> {
     ])
 }
 
-/// What else ours does; nobody to agree with.
+/// Further variants of ours, which have no counterpart to agree with.
 fn more_of_ours(counter: &Counter) -> Result<[Outcome; 6], ConfigError> {
     let never = u64::MAX;
     Ok([

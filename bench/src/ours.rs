@@ -56,20 +56,20 @@ pub fn configuration<const E: usize>() -> MissionConfig<E> {
     }
 }
 
-/// Where the state of a bias is seen.
+/// The sensors whose biases are states.
 const SENSORS: [Sensor; 3] = [Sensor::ImuMaster, Sensor::ImuSlave, Sensor::Baro];
 
 /// The filter, compensated, with `E` effects on the barometer as states.
 pub struct UdFilter<const HEAD: usize, const TAIL: usize, const E: usize> {
     estimator: Estimator<HEAD, TAIL, E>,
     noise: [MeasurementNoise; 4],
-    /// Of each sensor: zero but for the barometer's, which the filter is not told beforehand.
+    /// For each sensor: zero except for the barometer's, which the filter does not know in advance.
     regressors_m: [[f32; E]; 3],
     refused: u32,
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> UdFilter<HEAD, TAIL, E> {
-    /// On the paper's problem.
+    /// The filter on the paper's problem.
     pub fn new() -> Result<Self, ConfigError> {
         let noise = |i: usize| MeasurementNoise::from_variance_m2(NOISE[i]);
         Ok(Self {
@@ -114,10 +114,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Filter for UdFilter<H
     }
 }
 
-/// Table 1's biases of the sensors that fly free: what a monitor subtracts is latched.
+/// Table 1's biases of the sensors that fly free: a monitor subtracts latched biases.
 const LATCHED_BIASES_M: [f32; 2] = [-72.8909, -121.8691];
 
-/// The filter and, behind it, the monitors of the two sensors that fly free (eqs 16 and 17).
+/// The filter, followed by the monitors of the two sensors that fly free (eqs 16 and 17).
 pub struct Monitored {
     filter: UdFilter<3, 1, 0>,
     monitors: [Monitor; 2],
@@ -125,7 +125,7 @@ pub struct Monitored {
 }
 
 impl Monitored {
-    /// On the paper's problem, with the bounds of Table 1 and a window of 3 s.
+    /// On the paper's problem, with the alarm limits of Table 1 and a window of 3 s.
     pub fn new() -> Result<Self, ConfigError> {
         let monitors =
             [Monitor::new(32.4422 * 32.4422, 3_000_000), Monitor::new(40.3308 * 40.3308, 3_000_000)];
@@ -164,7 +164,7 @@ pub struct WholeTick<const HEAD: usize, const TAIL: usize, const E: usize> {
 }
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> WholeTick<HEAD, TAIL, E> {
-    /// On the paper's problem; launched after that many ticks.
+    /// On the paper's problem; launched after this many ticks.
     pub fn new(launch_after: u64) -> Result<Self, ConfigError> {
         Ok(Self {
             mission: Mission::new(&configuration::<E>())?,

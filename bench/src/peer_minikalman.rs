@@ -1,4 +1,4 @@
-//! minikalman, set up for `no_std` as its documentation says: buffers by its macros.
+//! minikalman, set up for `no_std` as its documentation recommends: its macros make the buffers.
 
 use minikalman::prelude::*;
 use minikalman::regular::{RegularKalmanBuilder, RegularObservationBuilder};
@@ -11,7 +11,7 @@ struct Minikalman<F, O, const ROWS: usize, const TIMES: usize> {
     observations: [O; TIMES],
 }
 
-/// The observation model of `$rows` measurements from the `$first`.
+/// The observation model of `$rows` measurements, starting at `$first`.
 macro_rules! observation {
     ($rows:literal, $first:expr) => {{
         impl_buffer_H!(mut h, $rows, 4, f32, 0.0);

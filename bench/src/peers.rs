@@ -1,4 +1,4 @@
-//! The peers: published filters, each used as its own documentation says and in its cheapest form.
+//! The peers: published filters, each used as its own documentation recommends and in its cheapest form.
 
 use adskalman::{CovarianceUpdateMethod, ObservationModel, StateAndCovariance};
 use kfilter::measurement::LinearMeasurement;
@@ -10,7 +10,7 @@ use nalgebra_0_34 as na34;
 
 use crate::problem::{COVARIANCE, Filter, NOISE, OBSERVATION, STATE};
 
-/// A cell of a diagonal matrix.
+/// An element of a diagonal matrix.
 fn diagonal(values: &[f32; 4], row: usize, column: usize) -> f32 {
     if row == column { values[row] } else { 0.0 }
 }
@@ -47,7 +47,7 @@ impl<const ROWS: usize, const TIMES: usize> Filter for Kfilter<ROWS, TIMES> {
     fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
         for (measurement, values) in self.measurements.iter_mut().zip(measurements.chunks_exact(ROWS)) {
             measurement.z.copy_from_slice(values);
-            // A refused update shows in the comparison of the results.
+            // A refused update becomes apparent when the results are compared.
             let _ = self.filter.update(measurement);
         }
     }
@@ -147,7 +147,7 @@ impl Multicalc {
 
 impl Filter for Multicalc {
     fn tick(&mut self, _time_us: u64, measurements: &[f32; 4]) {
-        // A refused update shows in the comparison of the results.
+        // A refused update becomes apparent when the results are compared.
         let _ = self.0.update(mc::Vector::new(*measurements));
     }
 

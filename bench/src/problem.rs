@@ -1,4 +1,4 @@
-//! The paper's calibration problem, the one that everybody is measured on.
+//! The paper's calibration problem, on which every filter is measured.
 
 /// Initial state: altitude, biases of the mother ship's IMU, the UAV's IMU and the barometer, m.
 pub const STATE: [f32; 4] = [2100.0, 0.0, 0.0, 0.0];
@@ -10,7 +10,7 @@ pub const COVARIANCE: [f32; 4] = squares(PRIOR_SIGMAS);
 pub const NOISE_SIGMAS: [f32; 4] = [25.0, 50.0, 70.0, 150.0];
 /// Diagonal of the measurement covariance, m^2.
 pub const NOISE: [f32; 4] = squares(NOISE_SIGMAS);
-/// Which state each measurement sees.
+/// The state that each measurement observes.
 pub const OBSERVATION: [[f32; 4]; 4] =
     [[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [1.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.0, 1.0]];
 
@@ -18,10 +18,10 @@ const fn squares([a, b, c, d]: [f32; 4]) -> [f32; 4] {
     [a * a, b * b, c * c, d * d]
 }
 
-/// A filter on that problem. `A = I` and `Q = 0`, so there is nothing to propagate: nobody is asked
-/// to, which favours the filters that would have multiplied by the identity.
+/// A filter on that problem. `A = I` and `Q = 0`, so no filter has to propagate its state. This favours the
+/// filters that would have multiplied by the identity.
 pub trait Filter {
-    /// Takes in the time, microseconds, and the four measurements of one tick, metres.
+    /// Processes the time, microseconds, and the four measurements of one tick, metres.
     fn tick(&mut self, time_us: u64, measurements: &[f32; 4]);
     /// The state in the order of [`STATE`], metres.
     fn state(&self) -> [f32; 4];
@@ -29,8 +29,8 @@ pub trait Filter {
     fn variances(&self) -> [f32; 4];
 }
 
-/// Measurements of a trimmed flight at 2050 m with the paper's biases and white noise of the paper's
-/// sigmas; the same ones at every run.
+/// Measurements of a trimmed flight at 2050 m with the paper's biases and white noise of the paper's sigmas;
+/// the same ones in every run.
 pub struct Measurements(u32);
 
 impl Measurements {
@@ -46,7 +46,7 @@ impl Measurements {
         (uniform - 0.5) * 3.464_101_6
     }
 
-    /// The next tick's.
+    /// The next tick's measurements.
     pub fn next_tick(&mut self) -> [f32; 4] {
         [
             2050.0 + NOISE_SIGMAS[0] * self.white(),

@@ -1,11 +1,11 @@
-//! The textbook's filter (paper, eqs 6 to 8, with the gain that eq. 14 drops) written on nalgebra, and a
-//! variant that nobody publishes but that a careful engineer would write.
+//! The textbook's filter (paper, eqs 6 to 8, with the gain that eq. 14 drops) written with nalgebra, and an
+//! unpublished variant that a careful engineer would write.
 
 use nalgebra::{Matrix4, RowVector4, Vector4};
 
 use crate::problem::{COVARIANCE, Filter, NOISE, OBSERVATION, STATE};
 
-/// Four scalar updates a tick; `RANK_ONE`: `P - K (P h')'` in place of eq. 8's `(I - K h) P`.
+/// Four scalar updates a tick; `RANK_ONE`: `P - K (P h')'` instead of eq. 8's `(I - K h) P`.
 pub struct Sequential<const RANK_ONE: bool> {
     x: Vector4<f32>,
     p: Matrix4<f32>,

@@ -1,7 +1,7 @@
-//! Turns the model into source.
+//! Generates source code from the model.
 //!
-//! `PYLON_MODEL` is a preset's name or a model file (default: the preset `default`); the workbench gives
-//! `PYLON_MODEL_SOURCE` instead, a file of source that it has generated from the model it flies.
+//! `PYLON_MODEL` is a preset's name or a model file (default: the preset `default`). The workbench sets
+//! `PYLON_MODEL_SOURCE` instead, a source file that it generated from the model that it flies.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     write_model(&out)
 }
 
-/// Writes the model's source and says where it comes from.
+/// Writes the model's source and its origin.
 fn write_model(out: &Path) -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-env-changed=PYLON_MODEL");
     println!("cargo:rerun-if-env-changed=PYLON_MODEL_SOURCE");

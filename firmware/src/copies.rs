@@ -1,11 +1,12 @@
-//! Copies and fills of memory, eight words at a time where it is aligned, four where it is not.
+//! Copies and fills of memory, eight words at a time if aligned, four if not.
 //!
-//! The compiler's own runtime copies a word in five instructions, and what a tick takes and says is moved
-//! several times: it was a third of all that a tick took, and its copies of unaligned bytes and its clearing
-//! a tenth; these here are 246 bytes of flash. The functions are those of Arm's run-time ABI (IHI 0043,
-//! section 4.3.4); the linker takes them in the place of the runtime's, which are weak. A Cortex-M4 loads and
-//! stores single words anywhere unless it is told to trap that (ARMv7-M, section A3.2.1), which nothing here
-//! does. `bin/copy_check.rs` holds every length and place against copies and fills byte by byte.
+//! The compiler's own runtime copies a word in five instructions, and a tick's inputs and outputs are moved
+//! several times: that was a third of a tick's cost, and its copies of unaligned bytes and its clearing a
+//! tenth. The versions here are 246 bytes of flash. The functions are those of Arm's run-time ABI (IHI 0043,
+//! section 4.3.4); the linker uses them instead of the runtime's, which are weak. A Cortex-M4 loads and
+//! stores single words at any address unless set to trap unaligned ones (ARMv7-M, section A3.2.1), which
+//! nothing here does. `bin/copy_check.rs` compares every length and offset with copies and fills byte by
+//! byte.
 
 core::arch::global_asm!(
     ".section .text.pylon_copies,\"ax\",%progbits",
@@ -35,7 +36,7 @@ core::arch::global_asm!(
     "bhs 1b",
     "pop {{r4, r5}}",
     "2:",
-    // What is left are the low four bits: 8 into the carry, 4 into the sign, then 2 and 1.
+    // The remaining count is in the low four bits: 8 into the carry, 4 into the sign, then 2 and 1.
     "lsls r2, r2, #29",
     "itttt cs",
     "ldrcs r3, [r1], #4",
@@ -60,7 +61,7 @@ core::arch::global_asm!(
     ".type __aeabi_memcpy4,%function",
     "__aeabi_memcpy8:",
     "__aeabi_memcpy4:",
-    // The same, both at whole words.
+    // The same, with both at whole words.
     "push {{r4-r9, lr}}",
     "subs r2, r2, #32",
     "blo 2f",
@@ -70,7 +71,7 @@ core::arch::global_asm!(
     "subs r2, r2, #32",
     "bhs 1b",
     "2:",
-    // What is left are the low five bits: 16 into the carry, 8 into the sign, then 4 and 2, then 1.
+    // The remaining count is in the low five bits: 16 into the carry, 8 into the sign, then 4 and 2, then 1.
     "lsls r2, r2, #28",
     "itt cs",
     "ldmiacs r1!, {{r3-r6}}",

@@ -1,4 +1,4 @@
-//! The telemetry of this image: its line's rate, what that line carries, and what is told of each tick.
+//! The telemetry of this image: its line's rate, what fits on that line, and what is sent of each tick.
 
 use flight_computer::Step;
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -12,48 +12,48 @@ use crate::board;
 
 include!(concat!(env!("OUT_DIR"), "/telemetry.rs"));
 
-/// The fullest rate table that the line carries; a line that carries none does not compile.
+/// The fullest rate table that fits on the line; a line on which none fits does not compile.
 const RATES: Rates = match Rates::for_line(BAUD) {
     Ok(rates) => rates,
     Err(_) => panic!("PYLON_TELEMETRY_BAUD is too slow for any rate table"),
 };
 
-/// The frames between telemetry and the line.
+/// The queue of frames between telemetry and the line.
 pub type Frames = FrameQueue;
 
-/// The end of the task that makes telemetry.
+/// The sending end, of the task that makes telemetry.
 pub type FramesIn = Producer<'static, telemetry::Frame>;
 
-/// The line's.
+/// The receiving end, of the line.
 pub type FramesOut = Consumer<'static, telemetry::Frame>;
 
-/// Ticks that wait for telemetry, one slot of which stays empty: the task that takes them has all of the time
-/// between two.
+/// Capacity of the queue of ticks for telemetry, one slot of which stays empty: the task that takes them has
+/// the whole time between two ticks.
 const TICKS: usize = 3;
 
-/// What telemetry needs of a tick.
+/// The data that telemetry needs of a tick.
 pub struct QueuedTick {
     /// Its inputs and outputs.
     pub step: Step,
-    /// What the mission had counted by its end.
+    /// The mission's counters at its end.
     pub counters: Counters,
-    /// What the flight computer had.
+    /// The flight computer's status.
     pub computer: ComputerStatus,
 }
 
-/// Ticks on their way from the tick to telemetry. It has no lock: neither side waits for the other.
+/// The queue from the tick to telemetry. It has no lock: neither side waits for the other.
 pub type TickQueue = Queue<QueuedTick, TICKS>;
 
-/// What makes the messages, below the tick.
+/// Makes the messages, at a priority below the tick.
 pub struct Downlink {
     telemetry: Telemetry<'static>,
     latch: Option<LatchRecord>,
-    /// How the flight computer has started, until that is told.
+    /// How the flight computer started, until it has been reported.
     start: Option<RestartReport>,
 }
 
 impl Downlink {
-    /// Telemetry of the model that was compiled in, of a flight computer that has started so.
+    /// Telemetry of the compiled-in model, for a flight computer that started in this way.
     pub fn new(frames: FramesIn, start: Option<RestartReport>) -> Self {
         let mut telemetry = Telemetry::new(Link::new(frames), RATES, &flown_mission::effects());
         if board::clock_is_internal() {
@@ -62,7 +62,7 @@ impl Downlink {
         Self { telemetry, latch: None, start }
     }
 
-    /// Whether the calibration has been latched by the end of that tick and is not known here.
+    /// Whether the calibration has been latched by the end of that tick and is not yet known here.
     pub fn lacks_latch(&self, tick: &QueuedTick) -> bool {
         self.latch.is_none() && tick.step.output.phase == Phase::FreeFlight
     }

@@ -1,5 +1,5 @@
-//! What happens when what must not happen does: it is kept in the retained memory, and the board is
-//! reset. The next start says what it was ([`crate::restart`]).
+//! Handles failures that must not happen: the cause is kept in the retained memory, and the board is reset.
+//! The next start reports it ([`crate::restart`]).
 
 use core::arch::naked_asm;
 use core::panic::PanicInfo;
@@ -12,7 +12,7 @@ use survival::{Cause, CrashRecord};
 use crate::board::CostClock;
 use crate::{SUPERVISOR, retained, stack};
 
-/// Bytes of the stack that a fault's handler runs on: the one that it found may be the fault.
+/// Stack of the fault handlers, bytes: the interrupted stack may be the fault.
 const CRASH_STACK_BYTES: usize = 1_024;
 
 #[repr(C, align(8))]
@@ -27,9 +27,9 @@ const ADDRESSES_VALID: [u32; 2] = [1 << 7, 1 << 15];
 
 #[panic_handler]
 fn panicked(info: &PanicInfo) -> ! {
-    /// A panic while a panic is kept: what has been kept stays.
+    /// Set by the first panic, so that a panic during its handling does not overwrite its record.
     static PANICKED: AtomicBool = AtomicBool::new(false);
-    // No read-modify-write: nothing that runs after a failure returns to what ran before it.
+    // No read-modify-write: nothing that runs after a failure returns to the code before it.
     if !PANICKED.load(Ordering::Relaxed) {
         PANICKED.store(true, Ordering::Relaxed);
         let record = context(CrashRecord::new(Cause::Panic));
@@ -41,8 +41,8 @@ fn panicked(info: &PanicInfo) -> ! {
     SCB::sys_reset()
 }
 
-/// A handler that takes a stack which is known to be good, and goes on with the address of what the core
-/// stacked on the one that it found.
+/// A handler that switches to a stack known to be good, and continues with the address of the frame that the
+/// core stacked on the interrupted one.
 macro_rules! on_crash_stack {
     ($(#[$doc:meta])* $handler:ident => $goes_on:ident) => {
         $(#[$doc])*
@@ -70,7 +70,7 @@ on_crash_stack! {
 }
 
 on_crash_stack! {
-    /// The watchdog's timer, at a priority that nothing masks but a critical section of all interrupts.
+    /// The watchdog's timer, at a priority that only a critical section of all interrupts masks.
     TIM4 => stuck
 }
 
@@ -78,7 +78,7 @@ extern "C" fn faulted(frame: *const u32) -> ! {
     let record = context(interrupted(CrashRecord::new(Cause::HardFault), frame));
     let below = |address: u32| (address as usize) < stack::end();
     let [memory_valid, bus_valid] = ADDRESSES_VALID.map(|bit| record.cfsr & bit != 0);
-    // The frame, or what was pushed, did not find room; an address far below is somebody else's fault.
+    // The frame, or what was pushed, did not fit; an address far below has another cause.
     let is_overflow = below(frame as u32)
         || record.cfsr & STACKING != 0
         || memory_valid && below(record.mmfar) && stack::end() - record.mmfar as usize <= stack::size()
@@ -94,7 +94,7 @@ extern "C" fn stuck(frame: *const u32) -> ! {
     SCB::sys_reset()
 }
 
-/// Where the program was: the frame that the core stacked (ARMv7-M ARM B1.5.6), if there is one.
+/// The interrupted program location: the frame that the core stacked (ARMv7-M ARM B1.5.6), if there is one.
 fn interrupted(record: CrashRecord, frame: *const u32) -> CrashRecord {
     const LR: usize = 5;
     const PC: usize = 6;
@@ -107,9 +107,9 @@ fn interrupted(record: CrashRecord, frame: *const u32) -> CrashRecord {
     CrashRecord { lr: word(LR), pc: word(PC), ..record }
 }
 
-/// What the core's registers say.
+/// The core's fault registers.
 fn context(record: CrashRecord) -> CrashRecord {
-    // SAFETY: reads of registers of the core, which change nothing.
+    // SAFETY: reads of the core's registers, which change nothing.
     let scb = unsafe { &*SCB::PTR };
     CrashRecord {
         cfsr: scb.cfsr.read(),

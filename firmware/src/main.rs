@@ -1,10 +1,10 @@
 //! The flight computer's image: the estimator inside a 200 Hz timer interrupt.
 //!
-//! Priorities: `tick` (TIM2) preempts everything and never waits. Below it `tell` makes the telemetry's
-//! messages of what a tick said, and `transmit` hands the line its next frame. With what time is left
-//! `report` writes what the tick said, and `feed` brings the flight record (only the emulated board has one).
-//! `tell`, `report` and `feed` run on interrupts that no device of the board uses, pended by software: to
-//! pend one that runs runs it again.
+//! Priorities: `tick` (TIM2) preempts everything and never waits. Below it `tell` makes the telemetry
+//! messages from a tick's results, and `transmit` gives the line its next frame. In the remaining time
+//! `report` writes a tick's results, and `feed` reads the flight record (only on the emulated board). `tell`,
+//! `report` and `feed` run on interrupts that no device of the board uses, pended by software: pending one
+//! that is running makes it run again.
 #![no_std]
 #![no_main]
 
@@ -44,22 +44,22 @@ use mutation::Mutated;
 use retained::RetainedWords;
 use tick_timer::TickTimer;
 
-/// What must be alive, for the watchdog to be fed.
+/// The tasks that must be alive for the watchdog to be fed.
 static SUPERVISOR: Supervisor = Supervisor::new();
 
-/// Results between the tick and the report, one slot of which stays empty.
+/// Capacity of the queue of results between the tick and the report; one slot stays empty.
 const RESULTS: usize = 8;
 
-/// What the tick counts.
+/// Counts over all ticks.
 #[derive(Clone, Copy, Default)]
 pub struct TickCounts {
     ticks: u32,
     underruns: u32,
     stalls: u32,
     lost_results: u32,
-    /// Ticks that the telemetry was not told of.
+    /// Ticks that telemetry did not receive.
     untold: u32,
-    /// The dearest tick so far, in the units of the board's clock.
+    /// The most expensive tick so far, in the units of the board's clock.
     longest: u32,
     sensor_faults: u32,
     start_cost: Option<u32>,
@@ -68,7 +68,7 @@ pub struct TickCounts {
 }
 
 impl TickCounts {
-    /// What the telemetry tells of the flight computer.
+    /// The flight computer's status for telemetry.
     const fn status(&self) -> ComputerStatus {
         ComputerStatus {
             wire: None,
@@ -82,15 +82,15 @@ impl TickCounts {
 /// The chain of a tick.
 type Computer = FlightComputer<Mutated<Sensors>, Flown<'static>>;
 
-// What is large is made where it stays, in a call of its own: or what it needs of the stack would be taken
-// while everything else is made.
+// Large values are made in their final place, each in a call of its own. Otherwise the stack that they need
+// would be occupied while everything else is made.
 
 #[inline(never)]
 fn made(place: &'static mut MaybeUninit<FlownMission>) -> Result<&'static mut FlownMission, ConfigError> {
     flown_mission::mission(place)
 }
 
-/// With sensors that know when the vehicle has left.
+/// For sensors of a recording, which contains the launch.
 #[inline(never)]
 fn recorded_computer(
     place: &'static mut MaybeUninit<Computer>,
@@ -174,7 +174,7 @@ mod app {
         if !stack::is_guarded() {
             board::exit(ExitStatus::Configuration);
         }
-        // SAFETY: opened; marks, snapshots and the board's words, each for one owner from here on.
+        // SAFETY: opened; marks, snapshots and the board's words have one owner each from here on.
         let [marks_memory, mut snapshots_memory, board_words] =
             [0; 3].map(|_| unsafe { RetainedWords::claim() });
         let snapshot = cx.local.snapshot_bytes;
@@ -318,14 +318,14 @@ mod app {
             Err(Next::Stall) => counts.lock(|counts| counts.stalls = counts.stalls.saturating_add(1)),
             Err(Next::End | Next::Tick(_)) => counts.lock(|counts| counts.ended = true),
         }
-        // All of them, whatever there is to do: each shows that it is alive.
+        // All of them, even if there is nothing to do: each shows that it is alive.
         rtic::pend(TELL);
         rtic::pend(TRANSMIT);
         rtic::pend(REPORT);
         rtic::pend(FEED);
     }
 
-    /// Makes the telemetry's messages of what the ticks said.
+    /// Makes the telemetry messages from the ticks' results.
     #[task(binds = EXTI2, priority = 2, local = [ticks_out, downlink], shared = [computer, counts])]
     fn tell(cx: tell::Context) {
         let tell::LocalResources { ticks_out, downlink, .. } = cx.local;
@@ -338,7 +338,7 @@ mod app {
                 downlink.take_latch(computer.lock(|computer| computer.mission.0.latch().cloned()));
             }
             downlink.tell(tick);
-            // It has been looked at where it lies.
+            // It was read in place.
             drop(ticks_out.dequeue());
             let took = CostClock::now().wrapping_sub(begun);
             counts.lock(|counts| counts.costs.take_below(Part::Messages, took));
@@ -346,8 +346,8 @@ mod app {
         }
     }
 
-    /// Gives the telemetry's line its next frame: when the last is through, and when there are new ones. The
-    /// real board's DMA raises this interrupt; the emulated one has a timer pend it.
+    /// Gives the telemetry line its next frame when the last one is finished, and when there are new ones.
+    /// The real board's DMA raises this interrupt; on the emulated one a timer pends it.
     #[task(binds = DMA2_STREAM7, priority = 2, local = [line, frames_out])]
     fn transmit(cx: transmit::Context) {
         let transmit::LocalResources { line, frames_out, .. } = cx.local;
@@ -359,7 +359,7 @@ mod app {
         SUPERVISOR.is_alive(Supervised::Transmit);
     }
 
-    /// Brings input for the ticks to come.
+    /// Reads input for the coming ticks.
     #[task(binds = EXTI1, priority = 1, shared = [feeder])]
     fn feed(cx: feed::Context) {
         if mutation::is_busy(mutation::Work::Feed) {
@@ -369,7 +369,7 @@ mod app {
         SUPERVISOR.is_alive(Supervised::Feed);
     }
 
-    /// Writes what the ticks said.
+    /// Writes the ticks' results.
     #[task(
         binds = EXTI0,
         priority = 1,

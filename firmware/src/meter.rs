@@ -1,4 +1,4 @@
-//! What the parts of the ticks take.
+//! The cost of the parts of a tick.
 
 use flight_computer::{PARTS, Part};
 use flight_record::{MAX_PARTS, PartCost};
@@ -6,26 +6,26 @@ use heapless::Vec;
 
 use crate::board::CostClock;
 
-/// The clock at the end of the last part of a tick, and what each part has taken.
+/// The clock at the end of a tick's last part, and the cost of each part so far.
 pub struct TickMeter {
     last: u32,
     parts: [u32; PARTS],
 }
 
 impl TickMeter {
-    /// A tick begins.
+    /// Starts a tick.
     pub fn start() -> Self {
         Self { last: CostClock::now(), parts: [0; PARTS] }
     }
 
-    /// A part has come to its end.
+    /// Ends a part.
     pub fn lap(&mut self, part: Part) {
         let now = CostClock::now();
         let took = now.wrapping_sub(self.last);
         if let Some(cost) = self.parts.get_mut(part.index()) {
             *cost = cost.wrapping_add(took);
         }
-        // The meter's own work belongs to no part.
+        // The meter's own work is not part of any.
         self.last = CostClock::now();
     }
 
@@ -44,7 +44,7 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// Takes a tick's.
+    /// Adds a tick.
     pub fn take(&mut self, tick: &TickMeter) {
         add(&mut self.whole, tick.total());
         for (cost, took) in self.parts.iter_mut().zip(tick.parts) {
@@ -52,14 +52,14 @@ impl Costs {
         }
     }
 
-    /// Takes work that was done below a tick, which is none of the tick's.
+    /// Adds work done below a tick, which is not part of the tick.
     pub fn take_below(&mut self, part: Part, took: u32) {
         if let Some(cost) = self.parts.get_mut(part.index()) {
             add(cost, took);
         }
     }
 
-    /// The parts', in the order of [`Part`].
+    /// The parts' costs, in the order of [`Part`].
     pub fn parts(&self) -> Vec<PartCost, MAX_PARTS> {
         self.parts.iter().copied().collect()
     }

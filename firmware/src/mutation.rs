@@ -1,5 +1,5 @@
-//! Planted errors and planted load, to prove that the one is found and the other stood. There is none
-//! unless the build asks for it (`PYLON_MUTATE`, see `build.rs`).
+//! Planted errors and planted load, to prove that errors are found and load is withstood. There are none
+//! unless the build asks for them (`PYLON_MUTATE`, see `build.rs`).
 
 use drivers::{Device, Faults, Sensors};
 use kf_core::input::TickInput;
@@ -28,13 +28,13 @@ impl<Suite: Sensors> Sensors for Mutated<Suite> {
     }
 }
 
-/// The input as it is.
+/// The unchanged input.
 #[cfg(not(any(pylon_mutate = "ulp", pylon_mutate = "panic", pylon_mutate = "fault")))]
 const fn mutated(input: TickInput) -> TickInput {
     input
 }
 
-/// The input with the barometer one unit in the last place off: the comparison with the host must see it.
+/// The input with the barometer one unit in the last place off, which the comparison with the host must find.
 #[cfg(pylon_mutate = "ulp")]
 fn mutated(mut input: TickInput) -> TickInput {
     use kf_core::input::BaroReading;
@@ -65,31 +65,31 @@ fn mutated(input: TickInput) -> TickInput {
     input
 }
 
-/// The frame that the line gets next.
+/// The line's next frame.
 #[cfg(not(any(pylon_mutate = "silent_line", pylon_mutate = "full_line")))]
 pub fn next_frame(frames: &mut FramesOut) -> Option<Frame> {
     frames.dequeue()
 }
 
-/// None: nothing goes over the line.
+/// `None`: nothing is sent over the line.
 #[cfg(pylon_mutate = "silent_line")]
 pub fn next_frame(frames: &mut FramesOut) -> Option<Frame> {
     while frames.dequeue().is_some() {}
     None
 }
 
-/// The next frame, and where there is none a filler, so that the line is never idle.
+/// The next frame, or a filler if there is none, so that the line is never idle.
 #[cfg(pylon_mutate = "full_line")]
 pub fn next_frame(frames: &mut FramesOut) -> Option<Frame> {
     let filler = || Frame::new(&telemetry::message::highres_imu(&TickInput::default()), 0);
     Some(frames.dequeue().unwrap_or_else(filler))
 }
 
-/// How many times longer than at its rate a frame takes on the telemetry's line.
+/// Factor by which a frame takes longer on the telemetry line than at its rate.
 #[cfg(feature = "recorded")]
 pub const LINE_SLOWNESS: u32 = if cfg!(pylon_mutate = "slow_line") { 10 } else { 1 };
 
-/// What has to be done besides the ticks.
+/// Work besides the ticks.
 #[derive(Clone, Copy)]
 pub enum Work {
     /// Reading ahead.
@@ -104,7 +104,7 @@ pub const fn is_busy(_: Work) -> bool {
     false
 }
 
-/// The work gets its turn so seldom that both queues run to their ends again and again.
+/// The work is allowed so rarely that both queues run full or empty again and again.
 #[cfg(pylon_mutate = "starve")]
 pub fn is_busy(work: Work) -> bool {
     use core::sync::atomic::{AtomicU32, Ordering};

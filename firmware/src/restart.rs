@@ -1,8 +1,8 @@
-//! What the log says of a start.
+//! Log messages about a start.
 
 use survival::{Refusal, RestartReport, Start};
 
-/// Says why there is no mission for a while.
+/// Logs why there is no mission for a while.
 pub fn log_standby(report: &RestartReport) {
     defmt::error!(
         "standby of {=u64} us: it keeps crashing, the last time by {=str}",
@@ -11,7 +11,7 @@ pub fn log_standby(report: &RestartReport) {
     );
 }
 
-/// Says what the start has come to, in the log.
+/// Logs the outcome of the start.
 pub fn log(report: &RestartReport) {
     defmt::error!(
         "restart {=u32} ({=str}) after {=str}; the clock goes on at {=u64} us",

@@ -1,4 +1,4 @@
-//! The memory that a reset leaves alone.
+//! Memory that a reset leaves unchanged.
 
 use core::ptr;
 
@@ -6,15 +6,15 @@ use survival::{CrashRecord, RETAINED_WORDS, WordMemory, keep_crash};
 
 use crate::board;
 
-/// The board's retained memory. Each of its parts is for one owner: the marks for the tick, the snapshots for
-/// the task that keeps them, the crash and the history for the start, the board's own words for the board.
+/// The board's retained memory. Each part has one owner: the tick owns the marks, the task that keeps
+/// snapshots owns those, the start owns the crash and the history, and the board owns its own words.
 pub struct RetainedWords(());
 
 impl RetainedWords {
-    /// One owner's way to its part.
+    /// One owner's access to its part.
     ///
     /// # Safety
-    /// After the board has made the memory accessible, and for one part alone at a time.
+    /// Call it after the board has made the memory accessible, and for only one part at a time.
     pub const unsafe fn claim() -> Self {
         Self(())
     }
@@ -39,8 +39,8 @@ impl WordMemory for RetainedWords {
     }
 }
 
-/// Keeps a crash. For what never returns to what it interrupted.
+/// Records a crash. For handlers that never return to what they interrupted.
 pub fn record_crash(record: CrashRecord) {
-    // SAFETY: the crash's other owner is the start, which what crashes never goes back to.
+    // SAFETY: the crash record's other owner is the start, and execution never returns to it after a crash.
     keep_crash(&mut unsafe { RetainedWords::claim() }, record);
 }

@@ -1,4 +1,4 @@
-//! How much stack was ever in use: the runtime paints it at reset, here is looked how far down the
+//! Largest use of the stack: the runtime paints the stack at reset, and this module finds how far down the
 //! paint is gone.
 
 use core::ptr;
@@ -8,22 +8,22 @@ use cortex_m_rt::STACK_PAINT_VALUE;
 unsafe extern "C" {
     /// Where the stack starts; it grows down from here.
     static _stack_start: u32;
-    /// Where it must end: the first word that is no static variable.
+    /// Where it must end: the first word that is not a static variable.
     static _stack_end: u32;
     /// Where the static variables start.
     static __sdata: u32;
 }
 
-/// Use of the stack since reset.
+/// Stack use since reset.
 #[derive(Clone, Copy)]
 pub struct Usage {
-    /// Most that was in use, bytes.
+    /// Largest use, bytes.
     pub used_bytes: u32,
-    /// What there is, bytes.
+    /// Size of the stack, bytes.
     pub size_bytes: u32,
 }
 
-/// Looks at the paint.
+/// Inspects the paint.
 pub fn usage() -> Usage {
     let start = &raw const _stack_start;
     let end = &raw const _stack_end;
@@ -43,27 +43,27 @@ pub fn usage() -> Usage {
 /// Words at the end of the stack that the supervisor watches.
 const WATCHED_WORDS: usize = 8;
 
-/// Where the stack ends, as an address.
+/// End of the stack, as an address.
 pub fn end() -> usize {
     &raw const _stack_end as usize
 }
 
-/// What there is, bytes.
+/// Size of the stack, bytes.
 pub fn size() -> usize {
     &raw const _stack_start as usize - end()
 }
 
-/// Whether an overflow meets no variable: the stack lies below all of them.
+/// Whether an overflow hits no variable: the stack lies below all of them.
 pub fn is_guarded() -> bool {
     end() + size() <= &raw const __sdata as usize
 }
 
-/// Whether so many bytes from an address on lie in the stack.
+/// Whether this many bytes from an address on lie in the stack.
 pub fn contains(address: usize, bytes: usize) -> bool {
     address >= end() && address.checked_add(bytes).is_some_and(|past| past <= end() + size())
 }
 
-/// Whether the last words before the stack's end have never been written.
+/// Whether the last words before the stack's end are still unwritten.
 pub fn is_whole() -> bool {
     let end = &raw const _stack_end;
     (0..WATCHED_WORDS).all(|word| {

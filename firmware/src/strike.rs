@@ -1,5 +1,5 @@
-//! Planted blows that the flight has to survive: the emulated board reads them from a file
-//! ([`flight_record::Strike`]). There are none unless the build asks for them (`PYLON_MUTATE=strike`).
+//! Planted strikes that the flight must survive: the emulated board reads them from a file
+//! ([`flight_record::Strike`]). Only a build that asks for them (`PYLON_MUTATE=strike`) has any.
 
 #[cfg(not(pylon_mutate = "strike"))]
 mod none {
@@ -34,7 +34,7 @@ mod planted {
     static STRIKES: Mutex<RefCell<(u64, Vec<Strike, 8>)>> = Mutex::new(RefCell::new((0, Vec::new())));
     static HANG_REPORT: AtomicBool = AtomicBool::new(false);
 
-    /// Reads the blows; those before `resumed_us` have struck.
+    /// Reads the strikes; those before `resumed_us` are over.
     pub fn arm(resumed_us: u64) {
         let Ok(mut file) = File::open(STRIKES_FILE) else { return };
         cortex_m::interrupt::free(|token| {
@@ -49,7 +49,7 @@ mod planted {
         });
     }
 
-    /// Strikes at the end of a tick what is due by it.
+    /// Executes the strike that is due, at the end of a tick.
     pub fn strike(now_us: u64) {
         let due = cortex_m::interrupt::free(|token| {
             let (last_us, strikes) = &mut *STRIKES.borrow(token).borrow_mut();
@@ -69,12 +69,12 @@ mod planted {
             }
             Some(Blow::FlipBit) => poison(|memory| {
                 let newest = order(memory).newest_first[0];
-                // A word of its payload.
+                // A word of the newest copy's payload.
                 let word = 10 + newest * (6 + PAYLOAD_BYTES / 4) + 30;
                 memory.write(word, memory.read(word) ^ 0x10);
             }),
             Some(Blow::Garbage) => poison(|memory| {
-                // The copies, between the marks and what comes after them.
+                // The copies, between the marks and the words after them.
                 for word in 10..10 + 2 * (6 + PAYLOAD_BYTES / 4) {
                     memory.write(word, (word as u32).wrapping_mul(0x9e37_79b9) | 1);
                 }
@@ -84,7 +84,7 @@ mod planted {
         }
     }
 
-    /// Hangs in the task that writes results.
+    /// Hangs the task that writes results.
     pub fn hang_report() {
         if HANG_REPORT.load(Ordering::Relaxed) {
             loop {}
@@ -104,7 +104,7 @@ mod planted {
 
     fn poison(how: impl FnOnce(&mut RetainedWords)) -> ! {
         const { assert!(BOARD > 10 + 2 * (6 + PAYLOAD_BYTES / 4)) };
-        // SAFETY: nobody else looks at it any more.
+        // SAFETY: nothing else accesses it any more.
         how(&mut unsafe { RetainedWords::claim() });
         SCB::sys_reset()
     }

@@ -1,4 +1,4 @@
-//! TIM2 as the tick of the mission.
+//! TIM2, which times the mission's ticks.
 
 use stm32f4xx_hal::pac::{RCC, TIM2};
 
@@ -12,8 +12,8 @@ impl TickTimer {
     /// Starts the timer, which the board clocks at `timer_hz`.
     pub fn start(tim2: TIM2, rcc: &RCC, timer_hz: u32) -> Self {
         rcc.apb1enr().modify(|_, w| w.tim2en().enabled());
-        // Counter and prescaler have their reset values. No update event is made: QEMU 7.2 would add the time
-        // since its start to every period.
+        // Counter and prescaler keep their reset values. No update event is generated: QEMU 7.2 would add the
+        // time since its start to every period.
         tim2.arr().write(|w| w.arr().set(timer_hz / TICK_HZ - 1));
         tim2.sr().modify(|_, w| w.uif().clear());
         tim2.dier().modify(|_, w| w.uie().enabled());
@@ -21,13 +21,13 @@ impl TickTimer {
         Self(tim2)
     }
 
-    /// The timer's interrupt without the timer: something else pends it.
+    /// The timer's interrupt without the timer: another source pends it.
     #[cfg(feature = "recorded")]
     pub const fn pended(tim2: TIM2) -> Self {
         Self(tim2)
     }
 
-    /// Tells the timer that its interrupt has been taken.
+    /// Acknowledges the timer's interrupt.
     pub fn acknowledge(&mut self) {
         self.0.sr().modify(|_, w| w.uif().clear());
     }

@@ -1,5 +1,5 @@
-//! What is done with bytes that nobody meant as a log. Nothing of it may panic, hang, or take memory without
-//! a bound; what is read can be written, and says what is in it.
+//! Processes bytes that were never meant as a log. No step may panic, hang, or take memory without a bound;
+//! whatever was read can be written, and has an overview.
 
 use pylon::flight::{self, Flight};
 use pylon::import::mapping::{self, Layout, LoggedTable};
@@ -7,7 +7,7 @@ use pylon::import::{self, Importer, guess, import};
 use pylon::overview::{Overview, text};
 use pylon::simulate::Scenario;
 
-/// More rows than this are not analysed: a hang would be told from a long flight no more.
+/// Flights with more rows are not analysed: a hang could no longer be distinguished from a long flight.
 const MOST_ROWS: usize = 20_000;
 
 fn used(flight: &Flight) {
@@ -23,7 +23,7 @@ fn by(importer: &dyn Importer, bytes: &[u8]) {
     if let Ok((flight, _)) = importer.import(bytes) {
         used(&flight);
     }
-    // As a user would: whatever it is recognised as.
+    // As for a user: by the importer that recognises it.
     if importer.recognises(bytes) {
         let _ = import(bytes);
     }
@@ -52,7 +52,7 @@ importers! {
     tlog = import::tlog::Tlog;
 }
 
-/// Parquet: Pylon's own, and as any table by the mapping that is drafted for it.
+/// Parquet: as Pylon's own file, and as any table, with the mapping drafted for it.
 pub fn parquet(bytes: &[u8]) {
     own_parquet(bytes);
     if let Ok(table) = import::parquet::table(bytes) {
@@ -60,7 +60,7 @@ pub fn parquet(bytes: &[u8]) {
     }
 }
 
-/// Any text of numbers, by the mapping that is drafted for it.
+/// Any text of numbers, with the mapping drafted for it.
 pub fn table(bytes: &[u8]) {
     if let Some(layout) = Layout::find(bytes) {
         by_draft(bytes, &LoggedTable::read(bytes, layout));
@@ -93,7 +93,7 @@ pub fn model(bytes: &[u8]) {
     }
 }
 
-/// A scenario; it is not flown, which may take as long as it says.
+/// A scenario; it is not flown, because it may last as long as it states.
 pub fn scenario(bytes: &[u8]) {
     if let Ok(text) = std::str::from_utf8(bytes) {
         let _ = Scenario::from_toml(text, "fuzzed.toml");

@@ -1,7 +1,7 @@
-//! What `cargo xtask bench` measures, one thing a process; results as JSON.
+//! Measurements of `cargo xtask bench`, one per process; results as JSON.
 //!
-//! `csv FLIGHT` iterates the flight's CSV with the csv crate and does nothing with it; `parse FLIGHT` makes
-//! numbers of its cells as well; `replay FLIGHT` flies it through kf-core, from memory, and prints the ticks
+//! `csv FLIGHT` iterates the flight's CSV with the csv crate and does nothing else; `parse FLIGHT` also
+//! converts its cells to numbers; `replay FLIGHT` flies it through kf-core, from memory, and prints the ticks
 //! a second; `target` counts instructions in QEMU.
 
 use std::error::Error;
@@ -18,7 +18,7 @@ use pylon::flight;
 use pylon::replay::{Replay, mission};
 use serde::Serialize;
 
-/// Rounds of a replay; the best counts, as what else the machine does only makes it slower.
+/// Rounds of a replay. The fastest counts, because other load on the machine only slows it.
 const ROUNDS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -41,7 +41,7 @@ fn reader(file: &Path) -> Result<csv::Reader<fs::File>, Box<dyn Error>> {
     Ok(csv::ReaderBuilder::new().comment(Some(b'#')).from_path(file)?)
 }
 
-/// The csv crate's cheapest way through a file: one record, used again for every row.
+/// The csv crate's cheapest way through a file: one record, reused for every row.
 fn iterate(file: &Path) -> Result<(), Box<dyn Error>> {
     let mut reader = reader(file)?;
     let mut record = csv::ByteRecord::new();
@@ -54,7 +54,7 @@ fn iterate(file: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The same, every cell made a number by the standard library.
+/// The same, with every cell converted to a number by the standard library.
 fn parse(file: &Path) -> Result<(), Box<dyn Error>> {
     let mut reader = reader(file)?;
     let mut record = csv::ByteRecord::new();
@@ -78,7 +78,7 @@ struct Rates {
     replay_ticks_per_s: f64,
 }
 
-/// The mission alone, its inputs in memory; then with the making of its inputs from the flight.
+/// The mission alone, with its inputs in memory; then including the conversion of the flight to inputs.
 fn replay(file: &Path) -> Result<(), Box<dyn Error>> {
     let (flight, _) = flight::read(file)?;
     for (name, model) in [("default", Model::default()), ("paper", Model::paper())] {
@@ -105,7 +105,7 @@ fn replay(file: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Instructions of a tick on the flight computer, and whether the budgets are kept.
+/// Instructions of a tick on the flight computer, and whether the budgets are met.
 fn target() -> Result<(), Box<dyn Error>> {
     #[derive(Serialize)]
     struct Counts {
@@ -118,7 +118,7 @@ fn target() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The shortest of some rounds, seconds.
+/// The shortest of several rounds, seconds.
 fn best(mut round: impl FnMut() -> Result<(), Box<dyn Error>>) -> Result<f64, Box<dyn Error>> {
     let mut best = f64::INFINITY;
     for _ in 0..ROUNDS {

@@ -1,4 +1,4 @@
-//! Instructions of one tick on the flight computer: kf-core beside published filters.
+//! Instructions of one tick on the flight computer: kf-core compared with published filters.
 
 use std::time::Duration;
 
@@ -7,12 +7,12 @@ use model::Model;
 use pylon::fly::{Program, build, emulate};
 use serde::Serialize;
 
-/// The benchmark takes seconds.
+/// Timeout; the benchmark takes seconds.
 const PATIENCE: Duration = Duration::from_secs(300);
-/// First line of what the image prints.
+/// First line of the image's output.
 const HEADER: &str = "name,role,mean,least,most,h_m,bias_master_m,bias_slave_m,bias_baro_m,agrees";
 
-/// Who was measured.
+/// Role of a measured filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
@@ -20,28 +20,28 @@ pub enum Role {
     Ours,
     /// A published filter, or the textbook's form on a published matrix library.
     Peer,
-    /// For comparison only: nobody publishes it.
+    /// For comparison only: not a published one.
     Reference,
 }
 
 /// One line of the benchmark.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Who.
+    /// Name of the filter.
     pub name: String,
-    /// In which role.
+    /// Its role.
     pub role: Role,
     /// Instructions of one tick: mean of all ticks.
     pub mean: f64,
     /// The cheapest tick.
     pub least: u32,
-    /// The dearest tick.
+    /// The most expensive tick.
     pub most: u32,
-    /// Whether its results are the textbook's; `None` where the problem is another.
+    /// Whether its results match the textbook's; `None` where the problem is a different one.
     pub agrees: Option<bool>,
 }
 
-/// Builds the benchmark's image, runs it in QEMU and reads what it prints.
+/// Builds the benchmark's image, runs it in QEMU and reads its output.
 ///
 /// # Errors
 /// The image does not build or run, or the filters do not agree with each other.
@@ -90,10 +90,10 @@ fn row(line: &str) -> Result<Row> {
     })
 }
 
-/// The row of that name.
+/// The row with that name.
 ///
 /// # Errors
-/// There is none.
+/// There is no such row.
 pub fn named<'a>(rows: &'a [Row], name: &str) -> Result<&'a Row> {
     rows.iter().find(|row| row.name == name).with_context(|| format!("the benchmark has no {name}"))
 }
@@ -101,7 +101,7 @@ pub fn named<'a>(rows: &'a [Row], name: &str) -> Result<&'a Row> {
 /// The cheapest peer.
 ///
 /// # Errors
-/// There is none.
+/// There is no peer.
 pub fn cheapest_peer(rows: &[Row]) -> Result<&Row> {
     rows.iter()
         .filter(|row| row.role == Role::Peer)

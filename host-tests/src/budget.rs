@@ -1,4 +1,4 @@
-//! Budgets of the firmware (`firmware/budgets.toml`): what is measured, what it may be.
+//! Budgets of the firmware (`firmware/budgets.toml`): measured values and their limits.
 
 use std::fmt::Display;
 use std::fs;
@@ -12,18 +12,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::bench::{Row, cheapest_peer, named};
 
-/// The benchmark's name of the filter with the monitors.
+/// The benchmark's name for the filter with the monitors.
 const FILTER_AND_MONITORS: &str = "kf-core filter and monitors";
-/// And of the filter with eight states.
+/// The benchmark's name for the filter with eight states.
 const FILTER_4_EFFECTS: &str = "kf-core filter 4 effects";
-/// Of formulas, each with its number of operations: one as an effect has it, every operation that is the
-/// machine's own, and every one with a memory.
+/// The benchmark's names for formulas, each with its number of operations: a typical effect, all operations
+/// that are the machine's own, and all operations with a memory.
 const FORMULA_EFFECT: (&str, f64) = ("formula effect of 9 operations", 9.0);
 const FORMULA_ARITHMETIC: (&str, f64) = ("formula arithmetic of 24 operations", 24.0);
 const FORMULA_MEMORY: (&str, f64) = ("formula memory of 17 operations", 17.0);
 
 /// Effects by formula over what the board measures, as a user writes them, each with its unit and its sigma:
-/// a static port that reads otherwise in turns, a rotor's wash at low speed, a heater in the bay, a slow
+/// a static port that reads differently in turns, a rotor's wash at low speed, a heater in the bay, a slow
 /// pressure line.
 const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("baro.port_in_turns", "baro", "airspeed_mps^2 / (2*g) * (load_factor - 1) * step(launch)", "1", 0.1),
@@ -32,9 +32,9 @@ const FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("baro.slow_line", "baro", "lowpass(climb_rate_mps, 2[s])", "s", 0.3),
 ];
 
-/// As [`FORMULAS`], of the most expensive functions: a delay on the reference, a double integral from launch
-/// on, a threshold, and one with a density, an exponential, a rate and a mean. Together 43 operations and 42
-/// of the 48 numbers that four may remember.
+/// Like [`FORMULAS`], with the most expensive functions: a delay on the reference, a double integral from
+/// launch on, a threshold, and one with a density, an exponential, a rate and a mean. Together they have 43
+/// operations and 42 of the 48 numbers that four may remember.
 const EXPENSIVE_FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ("gps.late_climb", "gps", "delay(climb_rate_mps, 0.4[s])", "s", 0.3),
     ("imu.cross_axis", "imu_slave", "integral2(lowpass(accel_x_mps2, 0.5[s]) * gyro_y_radps)", "s/rad", 0.02),
@@ -55,15 +55,15 @@ const EXPENSIVE_FORMULAS: [(&str, &str, &str, &str, f64); 4] = [
     ),
 ];
 
-/// The models that the budgets are for: both presets, one with four effects as states, and two with four
+/// The models that the budgets apply to: both presets, one with four effects as states, and two with four
 /// effects by formula as states.
 ///
-/// The four of the catalogue are expensive ones: two on the reference, which its own row of H is not spared
-/// then, one that is integrated from launch on, one with a low pass. For those by formula see `FORMULAS` and
+/// The catalogue's four are expensive: two on the reference, whose own row of H then has no zeros to skip,
+/// one that is integrated from launch on, one with a low pass. For those by formula see `FORMULAS` and
 /// `EXPENSIVE_FORMULAS`.
 ///
 /// # Errors
-/// The model is none.
+/// The model is invalid.
 pub fn models() -> Result<[(&'static str, Model); 5]> {
     let effects = [("gps.lever_arm", 2.0), ("gps.latency", 0.3), ("imu.tilt", 0.02), ("baro.lag", 0.3)].map(
         |(id, sigma)| {
@@ -92,7 +92,7 @@ pub fn models() -> Result<[(&'static str, Model); 5]> {
     ])
 }
 
-/// The budgets; see the file for what each is.
+/// The budgets; the file explains each.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Budgets {
@@ -102,24 +102,24 @@ pub struct Budgets {
     pub flight: FlightBudget,
     /// A restart in flight.
     pub restart: RestartBudget,
-    /// The image of the mission's tick alone.
+    /// The image that contains only the mission's tick.
     pub core_only: SymbolBudget,
-    /// The image of the drivers and the mission.
+    /// The image that contains only the drivers and the mission.
     pub chain_only: SymbolBudget,
     /// The benchmark.
     pub bench: BenchBudget,
-    /// What is known to be beyond its budget.
+    /// Values known to exceed their budgets.
     #[serde(default)]
     pub known_excess: Vec<KnownExcess>,
 }
 
-/// A budget that is not kept, which is known and said: it may get no worse.
+/// A known and documented excess over a budget; it may not grow.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KnownExcess {
-    /// What is measured, as [`Check::what`].
+    /// Name of the measured value, as [`Check::what`].
     pub what: String,
-    /// How far it is off: nothing beyond this is accepted.
+    /// Limit on the excess: nothing beyond it is accepted.
     pub limit: f64,
 }
 
@@ -129,7 +129,7 @@ pub struct KnownExcess {
 pub struct ImageBudget {
     /// Flash, bytes.
     pub flash_bytes: u64,
-    /// Flash of the emulated board, which has the models of its chips in it, bytes.
+    /// Flash of the emulated board, which includes the models of its chips, bytes.
     pub emulated_flash_bytes: u64,
     /// RAM of static variables, bytes.
     pub static_ram_bytes: u64,
@@ -143,11 +143,11 @@ pub struct FlightBudget {
     pub stack_bytes: u32,
     /// Mean instructions of a tick.
     pub instructions_mean: f64,
-    /// Instructions of the dearest tick.
+    /// Instructions of the most expensive tick.
     pub instructions_worst: u32,
-    /// Instructions of the dearest tick's telemetry.
+    /// Instructions of the most expensive tick's telemetry.
     pub messages_instructions_worst: u32,
-    /// Instructions by which one tick begins later on its grid than another.
+    /// Largest difference in instructions between the start of one tick on its grid and another's.
     pub start_jitter_instructions: u64,
 }
 
@@ -155,17 +155,17 @@ pub struct FlightBudget {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RestartBudget {
-    /// Instructions from the reset until the first tick may come.
+    /// Instructions from the reset until the first tick can come.
     pub instructions: u32,
     /// High-water mark of the stack, bytes.
     pub stack_bytes: u32,
 }
 
-/// What an image may not be linked with.
+/// Symbols that an image may not be linked with.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SymbolBudget {
-    /// No symbol may contain one of these.
+    /// Parts of names that no symbol may contain.
     pub forbidden_symbols: Vec<String>,
 }
 
@@ -177,27 +177,27 @@ pub struct BenchBudget {
     pub filter_and_monitors: f64,
     /// Eight states, four measurements.
     pub filter_4_effects: f64,
-    /// How many times the cheapest peer must cost what the filter with the monitors costs.
+    /// Least ratio of the cheapest peer's cost to that of the filter with the monitors.
     pub times_cheaper: f64,
-    /// An operation of a formula.
+    /// Limit for one operation of a formula.
     pub formula_operation: f64,
 }
 
 /// One measured value and its budget.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Check {
-    /// What was measured, of what.
+    /// Name of the measured value.
     pub what: String,
-    /// How much it is.
+    /// The measured value.
     pub measured: String,
-    /// How much it may be.
+    /// Its limit.
     pub budget: String,
-    /// Whether it is kept.
+    /// Whether the budget is met.
     pub kept: bool,
 }
 
 impl Check {
-    /// For those who want to see what was measured: one line.
+    /// One line, for those who want to see the measured value.
     #[must_use]
     pub fn line(&self) -> String {
         format!("{}: {} ({})", self.what, self.measured, self.budget)
@@ -215,18 +215,18 @@ impl Check {
 }
 
 impl Budgets {
-    /// Reads the file.
+    /// Reads the budgets from the file.
     ///
     /// # Errors
-    /// It is not there, or not as it should be.
+    /// The file is missing or invalid.
     pub fn read() -> Result<Self> {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../firmware/budgets.toml");
         let text = fs::read_to_string(&file).with_context(|| file.display().to_string())?;
         toml::from_str(&text).with_context(|| file.display().to_string())
     }
 
-    /// Builds the flight computer's images, for all boards with every model, and the mission's tick alone,
-    /// and checks them.
+    /// Builds the flight computer's images for all boards with every model, and the image of the mission's
+    /// tick alone, and checks them.
     ///
     /// # Errors
     /// An image does not build.
@@ -253,8 +253,8 @@ impl Budgets {
         Ok(checks)
     }
 
-    /// What of these is not as it should be, a line each: a budget that is not kept and not known to be, and
-    /// one that is further off than is known.
+    /// Unexpected results, one line each: a budget that is not met without being a known excess, and an
+    /// excess larger than known.
     #[must_use]
     pub fn unexpected(&self, checks: &[Check]) -> Vec<String> {
         let known = |check: &Check| self.known_excess.iter().find(|known| known.what == check.what);
@@ -322,14 +322,14 @@ impl Budgets {
         ]
     }
 
-    /// Checks the dearest tick of a sample of the fault campaign.
+    /// Checks the most expensive tick of a sample of the fault campaign.
     #[must_use]
     pub fn check_campaign(&self, instructions_worst: u32) -> Check {
         let what = "fault campaign: instructions a tick, worst";
         Check::at_most(what, instructions_worst, self.flight.instructions_worst)
     }
 
-    /// Checks what a restart took: instructions from the reset until the first tick may come, and bytes of
+    /// Checks the cost of a restart: instructions from the reset until the first tick can come, and bytes of
     /// the stack, which the flight after it hardly uses.
     #[must_use]
     pub fn check_restart(&self, instructions: u32, stack_used_bytes: u32) -> [Check; 2] {
@@ -374,7 +374,7 @@ impl Budgets {
 }
 
 impl SymbolBudget {
-    /// Checks an image, which must have symbols with each of these names: an empty one would keep every
+    /// Checks an image, which must have symbols with each of these names: an empty image would meet every
     /// budget.
     fn check(&self, name: &str, image: &Image, ours: &[&str]) -> Vec<Check> {
         let check = |forbidden: &String| {

@@ -1,4 +1,4 @@
-//! What was hidden against what was said, of many blind trials.
+//! Hidden causes against answers, for many blind trials.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use pylon::diagnose::Verdict;
 
 use crate::blind::{Kind, Trial};
 
-/// What is said of a trial as a whole.
+/// The answer for a trial as a whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum TrialAnswer {
     Identified,
@@ -69,7 +69,7 @@ fn hidden(trial: &Trial) -> String {
     }
 }
 
-/// The table: rows are what was hidden, columns what was said.
+/// The table: rows are the hidden causes, columns the answers.
 #[must_use]
 pub fn confusion(trials: &[Trial]) -> String {
     let mut counts: BTreeMap<String, BTreeMap<TrialAnswer, usize>> = BTreeMap::new();

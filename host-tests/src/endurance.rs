@@ -1,29 +1,28 @@
-//! A captive flight as long as one likes, tick by tick, that needs no memory: for what only shows after
-//! hours.
+//! A captive flight of any length, tick by tick, in constant memory: for problems that only show after hours.
 
 use kf_core::atmosphere::pressure_altitude_m;
 use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
 
-/// Microseconds of a tick.
+/// Length of a tick, microseconds.
 pub const TICK_US: u64 = 5_000;
 /// Ticks a second.
 const TICKS_PER_S: u64 = 200;
 /// Free flight at the end, seconds.
 const FREE_S: u64 = 60;
-/// The altitude flown, metres.
+/// Altitude of the flight, metres.
 const ALTITUDE_M: f64 = 2_000.0;
-/// Pressure there in the standard atmosphere, pascals, near enough: what it stands for is asked of the core.
+/// Approximate pressure there in the standard atmosphere, pascals; the core computes its exact altitude.
 const PRESSURE_PA: f32 = 79_495.2;
 /// The scale height there, metres: `p / (rho g)` with the standard temperature at 2 km.
 const SCALE_HEIGHT_M: f64 = 8_054.0;
 /// White noise of the fixes, the pressure's altitude and the inertial altitudes, metres.
 const SIGMA_M: [f64; 3] = [1.5, 0.4, 0.3];
-/// Biases of the barometer, the UAV's and the mother ship's inertial altitude, metres. The barometer's has to
-/// it what [`PRESSURE_PA`] is off the altitude flown.
+/// Biases of the barometer, of the UAV's and of the mother ship's inertial altitude, metres. The barometer's
+/// has in addition the difference of [`PRESSURE_PA`] from the altitude flown.
 const BIAS_M: [f64; 3] = [35.0, -12.0, 4.0];
 
 /// Captive flight of some hours in a slow swing of 5 m, then launch and a minute of free flight. Noise is a
-/// function of the tick's number, so a clone goes on alike.
+/// function of the tick's number, so a clone continues identically.
 #[derive(Clone, Debug)]
 pub struct LongFlight {
     next: u64,
@@ -32,14 +31,14 @@ pub struct LongFlight {
 }
 
 impl LongFlight {
-    /// So many hours of captive flight.
+    /// Makes a flight with this many hours of captive flight.
     #[must_use]
     pub fn new(hours: f64) -> Self {
         let launch = (hours * 3_600.0) as u64 * TICKS_PER_S;
         Self { next: 0, ticks: launch + FREE_S * TICKS_PER_S, launch }
     }
 
-    /// Ticks in all.
+    /// Number of ticks.
     #[must_use]
     pub const fn ticks(&self) -> u64 {
         self.ticks
@@ -97,7 +96,7 @@ impl Iterator for LongFlight {
     }
 }
 
-/// A standard normal number of a counter: two of SplitMix64's outputs (Steele, Lea and Flood, 2014) through
+/// A standard normal number from a counter: two of SplitMix64's outputs (Steele, Lea and Flood, 2014) through
 /// Box and Muller's transform.
 fn gaussian(counter: u64) -> f64 {
     let uniform = |k: u64| {
@@ -121,7 +120,7 @@ mod tests {
         let mean = values.iter().sum::<f64>() / n as f64;
         let square = values.iter().map(|value| value * value).sum::<f64>() / n as f64;
         let fourth = values.iter().map(|value| value.powi(4)).sum::<f64>() / n as f64;
-        // Four standard errors of each.
+        // Tolerances are four standard errors.
         assert!(mean.abs() < 4.0 / (n as f64).sqrt(), "{mean}");
         assert!((square - 1.0).abs() < 4.0 * (2.0 / n as f64).sqrt(), "{square}");
         assert!((fourth - 3.0).abs() < 4.0 * (96.0 / n as f64).sqrt(), "{fourth}");

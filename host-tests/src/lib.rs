@@ -1,4 +1,4 @@
-//! Tests of the whole chain, what they compare it with, and what the firmware may cost.
+//! Tests of the whole chain, the references that they compare it with, and the firmware's budgets.
 
 pub mod bench;
 pub mod blind;

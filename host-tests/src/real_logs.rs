@@ -1,5 +1,4 @@
-//! Real flight logs, where they lie, with known effects added to what they measured. See SOURCES.md beside
-//! them.
+//! Real flight logs, if present, with known effects added to their measurements. See SOURCES.md beside them.
 
 use std::path::{Path, PathBuf};
 
@@ -17,22 +16,22 @@ pub const OPTLONG: &str = "goigc_optlong.igc";
 pub const SHORT: &str = "goigc_short1.igc";
 /// A sailplane with its true airspeed and the air's temperature.
 pub const NEW_ZEALAND: &str = "igclib_new_zealand.igc";
-/// A paraglider that lands in between.
+/// A paraglider that lands midway.
 pub const LANDING: &str = "igclib_flight_with_middle_landing.igc";
 /// A paraglider.
 pub const PARAGLIDER: &str = "aerofiles_skytraxx21-2023-04-15.igc";
 
-/// Where a log lies, if it is there.
+/// Path of a log, if it is present.
 #[must_use]
 pub fn path(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/flights/real/igc").join(name);
     path.exists().then_some(path)
 }
 
-/// A log as a flight; `None`, and a line that says `skipped`, where it is not there.
+/// A log as a flight; `None`, and a line `skipped`, if it is absent.
 ///
 /// # Errors
-/// A log that can't be read.
+/// If a log can't be read.
 pub fn flight(name: &str) -> anyhow::Result<Option<Flight>> {
     let Some(path) = path(name) else {
         println!("skipped: {name}");
@@ -41,10 +40,10 @@ pub fn flight(name: &str) -> anyhow::Result<Option<Flight>> {
     Ok(Some(import_file(&path)?.0))
 }
 
-/// The diagnosis of a log by the default model, with or without a quiet stretch to calibrate on.
+/// Diagnosis of a log with the default model, with or without a quiet stretch to calibrate on.
 ///
 /// # Errors
-/// A flight that can't be replayed.
+/// If a flight can't be replayed.
 pub fn diagnosis(flight: &Flight) -> anyhow::Result<Diagnosis> {
     let model = Model::default();
     let replay = Replay::to_diagnose(flight, &model, None)?;
@@ -54,17 +53,17 @@ pub fn diagnosis(flight: &Flight) -> anyhow::Result<Diagnosis> {
 /// A known effect, and its coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Injection {
-    /// `baro.scale`, on the height that the barometer itself shows.
+    /// `baro.scale`, on the height that the barometer itself measures.
     Scale(f64),
-    /// `baro.dynamic_pressure`; the log must have the airspeed.
+    /// `baro.dynamic_pressure`; needs the airspeed in the log.
     DynamicPressure(f64),
     /// `baro.drift`, m/s, from the first row on.
     Drift(f64),
     /// `baro.warm_up`, m, from the first row on, with this time constant, s.
     WarmUp(f64, f64),
-    /// `baro.lag`, s: what the barometer shows is so old.
+    /// `baro.lag`, s: the age of the barometer's reading.
     Lag(f64),
-    /// `baro.lag`, s, as a tube does it: a first-order low pass of that time constant.
+    /// `baro.lag`, s, as in a tube: a first-order low pass with that time constant.
     LagLowPass(f64),
     /// `gps.latency`, s.
     Latency(f64),
@@ -102,7 +101,7 @@ impl Injection {
         }
     }
 
-    /// The same with a coefficient so many times as large.
+    /// The same with the coefficient multiplied by a factor.
     #[must_use]
     pub const fn times(self, factor: f64) -> Self {
         match self {
@@ -120,7 +119,7 @@ impl Injection {
     /// Adds it to a log.
     ///
     /// # Errors
-    /// A log that lacks what it is made of.
+    /// If the log lacks a signal that it needs.
     pub fn inject(self, flight: &mut Flight) -> anyhow::Result<()> {
         let start_s = flight.time_s.first().copied().unwrap_or(0.0);
         let times_s = flight.time_s.clone();
@@ -154,7 +153,7 @@ impl Injection {
     }
 }
 
-/// Adds metres, made of the row and the value, to a channel.
+/// Adds metres, computed from the row and the value, to a channel.
 fn add(flight: &mut Flight, channel: Channel, metres: &dyn Fn(usize, f32) -> f64) -> anyhow::Result<()> {
     let column = flight.channel(channel).with_context(|| channel.name())?;
     let mut changed = Column::with_capacity(column.len());
@@ -165,7 +164,7 @@ fn add(flight: &mut Flight, channel: Channel, metres: &dyn Fn(usize, f32) -> f64
     Ok(())
 }
 
-/// Delays a channel: every sample shows, between samples by a straight line, what was so long ago.
+/// Delays a channel: every sample shows the value of that time ago, interpolated linearly between samples.
 fn delay(flight: &mut Flight, channel: Channel, by_s: f64) -> anyhow::Result<()> {
     let column = flight.channel(channel).with_context(|| channel.name())?;
     let samples: Vec<(f64, f32)> = column.samples().map(|(row, value)| (flight.time_s[row], value)).collect();
@@ -185,7 +184,7 @@ fn delay(flight: &mut Flight, channel: Channel, by_s: f64) -> anyhow::Result<()>
     Ok(())
 }
 
-/// Passes a channel through a first-order low pass; between samples it is a straight line.
+/// Passes a channel through a first-order low pass, with straight lines between samples.
 fn low_pass(flight: &mut Flight, channel: Channel, time_s: f64) -> anyhow::Result<()> {
     let column = flight.channel(channel).with_context(|| channel.name())?;
     let mut changed = Column::with_capacity(column.len());
@@ -195,7 +194,7 @@ fn low_pass(flight: &mut Flight, channel: Channel, time_s: f64) -> anyhow::Resul
             let (now_s, value) = (flight.time_s[row], f64::from(value));
             let passed = match last {
                 Some((last_s, before, passed)) if now_s > last_s => {
-                    // A ramp comes out late by the time constant; what it was off before dies away.
+                    // A ramp is delayed by the time constant; the previous difference decays.
                     let slope = (value - before) / (now_s - last_s);
                     let keep = (-(now_s - last_s) / time_s).exp();
                     value - slope * time_s + keep * (passed - before + slope * time_s)

@@ -1,12 +1,12 @@
-//! Whether probabilities are right: of the effects that are said with some probability, how many act.
+//! Whether probabilities are right: how many of the effects reported with some probability act.
 
 use std::fmt::Write as _;
 
-/// Bounds of the probabilities that are counted together.
+/// Bounds of the bins of probability.
 const BOUNDS: [f64; 7] = [0.01, 0.1, 0.5, 0.9, 0.95, 0.99, 1.0];
 
-/// A reliability diagram of effects with the probability that was said of each, and whether it acts; and the
-/// Brier score.
+/// A reliability diagram of effects with the reported probability of each, and whether it acts; and the Brier
+/// score.
 #[must_use]
 pub fn diagram(said: &[(f64, bool)]) -> String {
     if said.is_empty() {

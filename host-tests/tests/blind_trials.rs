@@ -24,7 +24,7 @@ fn the_diagnosis_is_right_as_often_as_promised() {
                     if seed >= FIRST_SEED + TRIALS {
                         break;
                     }
-                    // A plan that the aircraft can't fly is no trial.
+                    // A plan that the aircraft can't fly is not a trial.
                     if let Ok(trial) = run(draw(Family::Dynamic, seed)) {
                         trials.lock().unwrap().push(trial);
                     }
@@ -36,8 +36,8 @@ fn the_diagnosis_is_right_as_often_as_promised() {
     println!("{}", table(&trials));
     assert!(trials.len() as u64 > TRIALS * 8 / 10, "{} flown", trials.len());
     let score = Score::of(&trials);
-    // Each bound is what a rate as promised exceeds less than once in a hundred sets of this size.
-    // At 2 % of 60, five or more wrong ones: 0.6 %.
+    // With the promised rate, each bound is exceeded less than once in a hundred sets of this size. At 2 % of
+    // 60, five or more wrong ones: 0.6 %.
     assert!(score.wrong.hits <= 4, "{score:?}");
     // At 97 % of some 15, three or more not quiet: 1 %.
     assert!(score.null_quiet.of - score.null_quiet.hits <= 2, "{score:?}");

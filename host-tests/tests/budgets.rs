@@ -1,8 +1,8 @@
-//! The firmware keeps its budgets (`firmware/budgets.toml`).
+//! The firmware meets its budgets (`firmware/budgets.toml`).
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
-//! (`cargo xtask test` installs it). `cargo test -p host-tests --test budgets -- --show-output` says what was
-//! measured.
+//! (`cargo xtask test` installs it). `cargo test -p host-tests --test budgets -- --show-output` prints the
+//! measurements.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::Path;
@@ -38,8 +38,8 @@ fn the_tick_keeps_its_instructions() {
 #[test]
 fn a_flight_keeps_its_stack_and_instructions() {
     let budgets = Budgets::read().unwrap();
-    // 15 s captive and 5 s free, with everything new at every tick; drivers and strapdown channel are in the
-    // flights on chips.
+    // 15 s captive and 5 s free, with everything new at every tick; the flights on chips include the drivers
+    // and the strapdown channel.
     let inputs = |suspected_ticks| {
         (0..4_000_u64).map(move |k| TickInput {
             time_us: k * 5_000,
@@ -64,8 +64,8 @@ fn a_flight_keeps_its_stack_and_instructions() {
     };
     let mut checks = Vec::new();
     for (name, model) in budget::models().unwrap() {
-        // A recording's launch comes out of nothing, and one tick does all; with four effects it is the
-        // board's, which is suspected for as long as the wire bounces (`kf_core::launch`).
+        // In a recording the launch comes without warning, and one tick does all the work. With four effects
+        // it is the board's launch, which is suspected for as long as the wire bounces (`kf_core::launch`).
         let suspected_ticks = if model.estimated_effects().count() == 0 { 0 } else { 4 };
         let model = Model { settling_s: 1.0, ..model };
         let report = fly_inputs(inputs(suspected_ticks), &model, &FlyOptions::default())
@@ -76,8 +76,8 @@ fn a_flight_keeps_its_stack_and_instructions() {
     assert_kept(&checks);
 }
 
-/// `flights/quickstart.toml` (simulated) through the chips and their drivers, with or without a unit that
-/// delivers `imu_slave`.
+/// `flights/quickstart.toml` (simulated) through the chips and their drivers, with or without a unit of its
+/// own for `imu_slave`.
 fn quickstart(model: &Model, has_slave: bool) -> FlyReport {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/quickstart.toml");
     let scenario = load_scenario(&file).unwrap();

@@ -1,5 +1,5 @@
-//! Runs of the fault campaign that have shown something which is mended: chips' registers, lines and wires
-//! in; latch, flags and telemetry out. docs/fault-campaign.md names what each has shown.
+//! Runs of the fault campaign that revealed defects, now fixed: from the chips' registers, lines and wires to
+//! the latch, flags and telemetry. docs/fault-campaign.md explains what each revealed.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -9,27 +9,27 @@ use host_tests::campaign::run::{Case, config};
 fn violations(seed: u64, index: u64) -> Vec<String> {
     let case = Case::draw(seed, index, false);
     let flown = case.fly(seed, &config().unwrap()).unwrap();
-    // A fault that is not flown breaks nothing.
+    // A fault that is not flown cannot break anything.
     assert!(!case.faults.is_empty() && flown.clean.ticks != flown.faulty.ticks, "{seed}: {index}");
     judge(&case, &flown).violations.iter().map(|violation| violation.what.clone()).collect()
 }
 
 /// The supply dips at the launch. Three quarters of a minute later a unit's altitude is 5 m too high, the
-/// barometer 2 m, and the receiver 3 m too low: how far it explains the two must not hang on what the dip has
-/// left of its climb rate.
+/// barometer 2 m, and the receiver 3 m too low. How far the receiver explains the two must not depend on what
+/// the dip has left of its climb rate.
 #[test]
 fn a_dip_at_the_launch_keeps_no_sensor_from_its_flag() {
     assert_eq!(violations(7010, 1971), [""; 0]);
 }
 
-/// A receiver converges by 16 m while an integrated altitude is 3 m off to the same side.
+/// A receiver converges by 16 m while an integrated altitude is 3 m off in the same direction.
 #[test]
 fn a_receiver_that_converges_blames_no_sensor() {
     assert_eq!(violations(7010, 3008), [""; 0]);
 }
 
-/// A receiver jumps by 11 m at the release, is believed at length, and comes back; meanwhile a barometer
-/// drifts.
+/// A receiver jumps by 11 m at the release, is accepted for a long time, and comes back; meanwhile a
+/// barometer drifts.
 #[test]
 fn a_receiver_that_comes_back_from_a_jump_flags_the_barometer() {
     assert_eq!(violations(7008, 1157), [""; 0]);
@@ -41,28 +41,28 @@ fn a_unit_that_is_saturated_before_the_release_keeps_no_barometer_from_its_flag(
     assert_eq!(violations(7008, 1940), [""; 0]);
 }
 
-/// The supply dips in flight, the wire breaks half a second after the start, and two more dips follow: it is
-/// called broken before they do.
+/// The supply dips in flight, the wire breaks half a second after the start, and two more dips follow: the
+/// wire is reported broken before they do.
 #[test]
 fn a_wire_that_breaks_between_dips_of_the_supply_is_no_launch() {
     assert_eq!(violations(7013, 1227), [""; 0]);
 }
 
-/// A receiver converges in the calibration and calls itself accurate: what is calibrated by its two levels is
-/// trusted by nobody.
+/// A receiver converges during the calibration and reports itself accurate: a calibration from its two levels
+/// must not be trusted.
 #[test]
 fn a_calibration_of_two_levels_of_the_receiver_promises_nothing() {
     assert_eq!(violations(7013, 866), [""; 0]);
 }
 
-/// An altitude that is 90 m off, and called so, goes on saying so after a dip of the supply.
+/// An altitude that is 90 m off, and flagged, stays flagged after a dip of the supply.
 #[test]
 fn an_altitude_that_is_far_off_is_not_silenced_by_a_dip_of_the_supply() {
     assert_eq!(violations(7014, 663), [""; 0]);
 }
 
-/// Bits of a force flip for 0.4 s, after fourteen fixes have matched the level: that is not what they then
-/// contradict.
+/// Bits of a force flip for 0.4 s, after fourteen fixes have matched the level: those are not what
+/// contradicts it then.
 #[test]
 fn a_disturbance_of_a_level_that_is_known_does_not_begin_the_alignment_anew() {
     assert_eq!(violations(7013, 836), [""; 0]);
@@ -86,22 +86,22 @@ fn a_receiver_that_falls_silent_after_its_first_solution_is_configured_anew_at_o
     assert_eq!(violations(7019, 1395), [""; 0]);
 }
 
-/// A receiver jumps by 23 m while the inertial unit is being aligned: biases are of the level before, and all
-/// of the altitude's readings of the one after.
+/// A receiver jumps by 23 m while the inertial unit is being aligned: biases refer to the level before, and
+/// all of the altitude's readings to the one after.
 #[test]
 fn an_altitude_whose_readings_contradict_its_bias_is_not_blamed() {
     assert_eq!(violations(7018, 1744), [""; 0]);
 }
 
-/// A receiver jumps by 3 km, is refused under the pylon until the reference is lost, and is all there is at
-/// the launch.
+/// A receiver jumps by 3 km, is refused under the pylon until the reference is lost, and is the only
+/// reference at the launch.
 #[test]
 fn a_receiver_that_was_lost_kilometres_off_blames_no_sensor() {
     assert_eq!(violations(7025, 1178), [""; 0]);
 }
 
 /// The inertial unit reads free fall from 1.3 s before the wire breaks, which the receiver's climb rate
-/// denies.
+/// contradicts.
 #[test]
 fn a_wire_that_breaks_while_the_unit_reads_free_fall_is_no_launch() {
     assert_eq!(violations(7026, 961), [""; 0]);
@@ -119,30 +119,30 @@ fn a_receiver_that_is_off_as_the_calibration_begins_costs_no_sensor() {
     assert_eq!(violations(7033, 22), [""; 0]);
 }
 
-/// The inertial unit reads free fall from just before the release on, and its own departure is no witness of
+/// The inertial unit reads free fall from just before the release on, so its own departure is no evidence of
 /// it.
 #[test]
 fn a_release_while_the_unit_reads_free_fall_is_seen() {
     assert_eq!(violations(7036, 2266), [""; 0]);
 }
 
-/// Fixes are 14 m off as the settling time ends: at 5 Hz the last of them begins the calibration anew; at
-/// 10 Hz they are too few to be a level.
+/// Fixes are 14 m off as the settling time ends: at 5 Hz the last of them restarts the calibration; at 10 Hz
+/// they are too few to be a level.
 #[test]
 fn fixes_that_are_off_as_the_calibration_begins_cost_no_sensor() {
     assert_eq!(violations(7031, 791), [""; 0]);
     assert_eq!(violations(7037, 1306), [""; 0]);
 }
 
-/// The inertial unit repeats itself, for 14 s of the calibration and from the first seconds on: what is
-/// integrated of that widens no bound.
+/// The inertial unit repeats itself, for 14 s of the calibration and from the first seconds on: an altitude
+/// integrated from that must not widen a bound.
 #[test]
 fn an_altitude_of_a_unit_that_stands_still_is_not_calibrated() {
     assert_eq!(violations(7030, 269), [""; 0]);
     assert_eq!(violations(7031, 2150), [""; 0]);
 }
 
-/// The inertial unit repeats itself, or is silent, and the cable tears: two faults that say nothing of a
+/// The inertial unit repeats itself, or is silent, and the cable tears: two faults that do not support a
 /// release, which the receiver's climb rate does not show either.
 #[test]
 fn a_torn_cable_is_no_launch_when_the_unit_has_died() {
@@ -150,8 +150,8 @@ fn a_torn_cable_is_no_launch_when_the_unit_has_died() {
     assert_eq!(violations(7018, 922), [""; 0]);
 }
 
-/// The inertial unit reads twelve g for a fifth of a second as it is switched on: what a departure is held
-/// against has forgotten that a minute later.
+/// The inertial unit reads twelve g for a fifth of a second as it is switched on: a minute later the level
+/// that a departure is judged against has forgotten that.
 #[test]
 fn wild_samples_at_power_on_hide_no_release() {
     assert_eq!(violations(7044, 1168), [""; 0]);

@@ -1,9 +1,9 @@
-//! An injected coefficient is recovered by the flight computer's own filter, and its sigma is honest.
+//! The flight computer's own filter recovers an injected coefficient, and its sigma is honest.
 //!
-//! Simulated flights with realistic signals (noise, own rates) and altitudes without noise; the noise of the
-//! altitudes is added here, white and of a size that the filter is told, so that its sigma has to be right.
+//! Simulated flights with realistic signals (noise, own rates) and altitudes without noise. The noise of the
+//! altitudes is added here: white, and of a size that the filter is given, so its sigma must be right.
 //!
-//! `cargo test -p host-tests --release --test effect_recovery -- --nocapture` prints what was found.
+//! `cargo test -p host-tests --release --test effect_recovery -- --nocapture` prints the results.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use kf_core::effect::{Clock, EffectId, EffectSubject, EffectTerm, Regressor, SignalTracker};
@@ -21,7 +21,7 @@ const SEEDS: u64 = 400;
 const NOISE_M: f64 = 0.5;
 const TIME_CONSTANT_S: f32 = 20.0;
 
-/// `flights/quickstart.toml`'s plan, with one effect that starts at launch.
+/// The plan of `flights/quickstart.toml`, with one effect that starts at launch.
 fn scenario(id: EffectId, coefficient: f64) -> Scenario {
     let time_constant =
         if id.has_time_constant() { format!("time_constant_s = {TIME_CONSTANT_S}") } else { String::new() };
@@ -92,8 +92,8 @@ fn rows(id: EffectId, sensor: Sensor, coefficient: f64) -> Vec<Row> {
     rows
 }
 
-/// Coefficient and its sigma, by the filter: one sensor's bias, the altitude (free from fix to fix), the
-/// coefficient.
+/// Coefficient and its sigma, by the filter: one sensor's bias, the altitude (independent from fix to fix),
+/// the coefficient.
 fn learn(
     rows: &[Row],
     id: EffectId,
@@ -111,7 +111,7 @@ fn learn(
         monitor: config.monitor,
         second_correction: config.second_correction,
         quality: config.quality,
-        // Nothing is known of it: the prior is fifty times as wide as the truth is large.
+        // It is unknown: the prior is fifty times as wide as the truth is large.
         estimated_effects: [EffectTerm::new(id, 0.0, 50.0 * coefficient as f32)],
         constant_effects: Default::default(),
     };
@@ -127,7 +127,7 @@ fn learn(
             EffectSubject::Gps => [[row.regressor_m], [0.0]],
             EffectSubject::Sensor(_) => [[0.0], [row.regressor_m]],
         };
-        // The altitude may have gone anywhere, by 100 m (1 sigma).
+        // The altitude may have changed by any amount, 100 m (1 sigma).
         estimator.climb(0.0, 1e4).unwrap();
         estimator.update_reference(fix_m, &on_reference, noise).unwrap();
         match sensor {
@@ -168,12 +168,12 @@ fn recovered(id: EffectId, coefficient: f64) -> (u64, f64) {
 #[test]
 fn an_injected_coefficient_is_within_two_sigma_as_often_as_a_normal_error() {
     let mut failures = Vec::new();
-    // Regressors have errors of their own, of which the filter knows nothing: a flow angle's noise attenuates
-    // by 3 %, the accelerometers' own noise, integrated twice over 90 s, is 2 to 4 % of the tilt's, and the
-    // measured variance of a vibration is not its expectation, by 2 to 5 %. That is no error of the filter's,
-    // and is larger than its sigma where the effect is: their coefficients here are so small that it is at
-    // most 0.3 sigma. A mean that is off by so much leaves 94.5 % within two sigma instead of 95.45 %: 3.9 of
-    // 400, less than chance.
+    // Regressors have errors of their own, which the filter does not know: a flow angle's noise attenuates by
+    // 3 %, the accelerometers' own noise, integrated twice over 90 s, is 2 to 4 % of the tilt's, and the
+    // measured variance of a vibration differs from its expectation by 2 to 5 %. That is not an error of the
+    // filter, and it exceeds the filter's sigma where the effect is large. The coefficients here are
+    // therefore so small that it is at most 0.3 sigma. A mean that is off by that leaves 94.5 % within two
+    // sigma instead of 95.45 %: 3.9 of 400, less than chance.
     for (id, coefficient) in [
         (EffectId::BaroDynamicPressure, 0.06),
         (EffectId::BaroAngleOfAttack, 0.2),
@@ -190,12 +190,12 @@ fn an_injected_coefficient_is_within_two_sigma_as_often_as_a_normal_error() {
         (EffectId::GpsLeverArm, 4.0),
     ] {
         let (within, off_sigmas) = recovered(id, coefficient);
-        // 95.45 % of 400: 381.8, and 4.17 (1 sigma, binomial). Four of these either way: of thirteen
-        // effects none fails by chance in 99.9 % of all sets of seeds.
+        // 95.45 % of 400: 381.8, and 4.17 (1 sigma, binomial). Four of these either way: in 99.9 % of all
+        // sets of seeds none of thirteen effects fails by chance.
         if !(366..=398).contains(&within) {
             failures.push(format!("{}: {within} of {SEEDS} within two sigma", id.name()));
         }
-        // Those 0.3 sigma, and four of the mean's own.
+        // The 0.3 sigma, and four sigmas of the mean itself.
         if off_sigmas.abs() > 0.3 + 4.0 / (SEEDS as f64).sqrt() {
             failures.push(format!("{}: off by {off_sigmas:.2} sigma on average", id.name()));
         }

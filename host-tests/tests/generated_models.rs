@@ -16,7 +16,7 @@ macro_rules! generated {
 
 generated!(default, paper, estimated, constant);
 
-/// Every float by its bits (so that -0 is not 0), everything else by value.
+/// Every float as bits (so that -0 is not 0), everything else by value.
 fn bits<const E: usize>(config: &MissionConfig<E>) -> (Vec<u32>, String) {
     let reference = &config.reference;
     let quality = &config.quality;

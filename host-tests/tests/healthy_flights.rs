@@ -1,7 +1,7 @@
-//! A healthy flight is not flagged: `flights/clean.toml` (simulated, no effect at all) with the default
+//! A healthy flight is not flagged: `flights/clean.toml` (simulated, without any effect) with the default
 //! preset, over seeds.
 //!
-//! `cargo test -p host-tests --release --test healthy_flights -- --nocapture` prints what was found.
+//! `cargo test -p host-tests --release --test healthy_flights -- --nocapture` prints the results.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::path::Path;
@@ -52,11 +52,11 @@ fn healthy_sensors_stay_trusted_and_their_calibration_is_good() {
          {degraded} with a failed check; of {} biases {misjudged} beyond two sigma",
         3 * SEEDS
     );
-    // The wander decides: one error of one sigma more or less constant for the flight, against a bound of
-    // three. 5 % of flights would be 2 of 40; 7 or more of 40 would come once in 100 such sets at 7 %.
+    // The wander dominates: one error of one sigma, nearly constant over the flight, against a bound of
+    // three. 5 % of flights would be 2 of 40; at 7 %, 7 or more of 40 would occur once in 100 such sets.
     assert!(untrustworthy <= 6, "{untrustworthy}");
     assert!(degraded <= 6, "{degraded}");
-    // Sigma is honest if 5 % are beyond two of it: 6 of 120, and since the three biases share the
+    // Sigma is honest if 5 % are beyond two sigma: 6 of 120, and because the three biases share the
     // reference, at most three sigma of 40 independent ones.
     assert!(misjudged <= 18, "{misjudged}");
 }

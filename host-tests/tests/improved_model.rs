@@ -1,5 +1,6 @@
-//! The whole story on simulated flights: a hidden effect raises a flag, the diagnosis names it, `add` learns
-//! it, and the flag is not raised again: at the desk and, bit for bit, in the emulated flight computer.
+//! The whole sequence on simulated flights: a hidden effect raises a flag, the diagnosis names it, `add`
+//! learns it, and the flag is not raised again: at the desk and, bit for bit, in the emulated flight
+//! computer.
 //!
 //! Needs qemu-system-arm and the Rust target, as `qemu_flight.rs`.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
@@ -14,7 +15,7 @@ use pylon::replay::Replay;
 use pylon::simulate::{Scenario, simulate};
 use time::{Date, Month};
 
-/// The flights that are learned from.
+/// The plan of the flights that are learned from.
 const PLAN: &str = include_str!("../../flights/clean.toml");
 /// Another plan: slower, lower, with other manoeuvres in another order.
 const OTHER_PLAN: &str = r#"
@@ -66,8 +67,8 @@ duration_s = 20.0
 "#;
 
 fn flight(plan: &str, effect: EffectId, coefficient: f64, seed: u64) -> Flight {
-    // What is integrated starts at launch; an accelerometer that was off for minutes before would have a
-    // velocity error as well, which is another effect.
+    // The integrals start at launch. An accelerometer that had a bias for minutes before would also have a
+    // velocity error, which is another effect.
     let phase = if effect.name().starts_with("imu") { "phase = \"free\"\n" } else { "" };
     let text =
         format!("{plan}\n[[effect]]\nid = \"{}\"\ncoefficient = {coefficient}\n{phase}", effect.name());
@@ -86,7 +87,7 @@ fn added(text: &str, effect: EffectId, learning: &Flight, held_out: &Flight, est
     add(&request, &mut || ()).unwrap()
 }
 
-/// The held-out error with the coefficient that the simulator has.
+/// The held-out error with the simulator's coefficient.
 fn oracle_rms_m(effect: EffectId, coefficient: f64, flight: &Flight) -> f64 {
     let text = format!("[[effect]]\nid = \"{}\"\ncoefficient = {coefficient}\n", effect.name());
     let oracle = Model::parse(&text).unwrap();
@@ -94,9 +95,9 @@ fn oracle_rms_m(effect: EffectId, coefficient: f64, flight: &Flight) -> f64 {
     pooled_rms_m([&scores], effect.subject()).unwrap()
 }
 
-/// Pairs of flights.
+/// Number of pairs of flights.
 const SEEDS: u64 = 10;
-/// What the held-out error may be over the oracle's.
+/// Largest allowed ratio of the held-out error to the oracle's.
 const OVER_ORACLE: f64 = 1.15;
 
 fn has_flag(flight: &Flight, model: &Model) -> bool {
@@ -121,8 +122,8 @@ fn a_flag_of_the_old_model_is_not_raised_with_the_improved_one_at_the_desk_or_in
         let addition = added("", effect, &first, &second, estimate);
         assert!(addition.concerns.is_empty() && addition.warnings.is_empty(), "{addition:?}");
         assert!((f64::from(addition.coefficient) - 0.12).abs() < 4.0 * f64::from(addition.sigma));
-        // What is left on the second flight is the reference's own wander, which no model takes off: the
-        // oracle's.
+        // What remains on the second flight is the reference's own wander, which no model removes: the
+        // oracle's error.
         let oracle_m = oracle_rms_m(effect, 0.12, &second);
         assert!(addition.rms_after_m.unwrap() < OVER_ORACLE * oracle_m, "{addition:?} {oracle_m}");
         assert!(addition.rms_before_m.unwrap() > OVER_ORACLE * oracle_m, "{addition:?} {oracle_m}");
@@ -138,7 +139,7 @@ fn a_flag_of_the_old_model_is_not_raised_with_the_improved_one_at_the_desk_or_in
     }
 }
 
-/// What was learned from one flight is on another nearly as good as the truth.
+/// What was learned from one flight is nearly as good as the truth on another.
 ///
 /// `cargo test -p host-tests --test improved_model -- --nocapture` prints how good.
 #[test]
@@ -162,10 +163,10 @@ fn after_add_the_held_out_error_is_within_15_per_cent_of_the_oracles() {
             sigma += f64::from(addition.sigma) / (coefficient * SEEDS as f64);
         }
         let together = (after / oracle).sqrt();
-        // A coefficient that is off by a share d adds d f to an error e that the oracle has too, f being the
-        // effect's own size: (e + d f)^2 is larger by 2 d <e f> + d^2 f^2. Over the flights the first is
-        // normal with at most 2 sigma |e| |f| / sqrt(flights), of which four sigmas are left room for; and |f|
-        // is at most |before| + |e|.
+        // A coefficient that is off by a share d adds d f to an error e that the oracle has too, where f is
+        // the effect's own size: (e + d f)^2 is larger by 2 d <e f> + d^2 f^2. Over the flights the first
+        // term is normal with at most 2 sigma |e| |f| / sqrt(flights), of which four sigmas are allowed for;
+        // and |f| is at most |before| + |e|.
         let size = (before / oracle).sqrt() + 1.0;
         let chance = sigma * sigma * size * size + 4.0 * 2.0 * sigma * size / (SEEDS as f64).sqrt();
         println!(

@@ -1,5 +1,5 @@
-//! A flight computer that is interrupted on the host at every word of what it writes, and goes on with the
-//! code of the firmware.
+//! A flight computer on the host that is interrupted at every word that it writes, and continues with the
+//! firmware's code.
 #![allow(clippy::unwrap_used)]
 
 mod ticks;
@@ -16,10 +16,10 @@ use survival::{Cause, CrashRecord, ResetSource, RestartReport, RetainedImage, St
 use ticks::{LAUNCH, TICK_US, TICKS, flight, prompt};
 
 const MODEL: u64 = 7;
-/// How long before its confirmation a launch is suspected, ticks, as the debounce has it.
+/// How long a launch is suspected before its confirmation, ticks: the debounce.
 const DEBOUNCE: usize = 4;
 
-/// The flight of a recording, with its launch suspected before it is confirmed.
+/// The flight of a recording, whose launch is suspected before it is confirmed.
 struct Recording {
     inputs: Vec<TickInput>,
     next: usize,
@@ -46,7 +46,7 @@ impl Sensors for &mut Recording {
 
 type Run<'a> = Interruptible<&'a mut Recording, Box<dyn AnyMission>>;
 
-/// A flight, its retained memory, and what came of it.
+/// A flight, its retained memory, and its results.
 struct Flight {
     recording: Recording,
     memory: RetainedImage,
@@ -64,7 +64,7 @@ impl Flight {
         Self { recording, memory: RetainedImage::default(), reports: Vec::new(), last: None }
     }
 
-    /// Starts and flies to before tick `end`; what the last tick writes is cut after so many words.
+    /// Starts and flies up to tick `end`; the last tick's writing is cut off after that many words.
     fn run(&mut self, source: ResetSource, end: usize, cut: Option<u32>) -> Option<LatchRecord> {
         self.fly(source, |_| end, cut)
     }
@@ -107,12 +107,12 @@ fn undisturbed() -> LatchRecord {
     Flight::new().run(ResetSource::Supply, TICKS, None).unwrap()
 }
 
-/// A latch but for what had not been judged of its quality when it was interrupted.
+/// Whether a latch is the same except for checks that had not been made when it was interrupted.
 fn is_same_calibration(latch: &LatchRecord, whole: &LatchRecord) -> bool {
     *latch == LatchRecord { failed_checks: latch.failed_checks, ..whole.clone() }
 }
 
-/// A mark is five words; a snapshot begins with the sixth that a tick and its task write.
+/// A mark is five words; the sixth word that a tick and its task write begins a snapshot.
 const MARK_WORDS: u32 = 5;
 
 #[test]
@@ -120,7 +120,7 @@ fn a_dip_at_any_word_from_the_first_edge_to_free_flight_keeps_the_calibration_fr
  {
     let whole = undisturbed();
     let words = |tick: usize| {
-        // Every word of the marks and of the first snapshot's first and last words, and some between.
+        // Every word of the marks, the first and last words of the first snapshot, and some between.
         let all: Vec<u32> = (0..=MARK_WORDS + 8).chain((20..520).step_by(37)).collect();
         all.into_iter().map(move |word| (tick, word))
     };
@@ -131,7 +131,7 @@ fn a_dip_at_any_word_from_the_first_edge_to_free_flight_keeps_the_calibration_fr
         let report = flight.reports[0];
         assert_eq!((report.cause, report.restarts, flight.reports.len()), (Cause::Supply, 1, 1));
         let expected = match tick {
-            // The edge's own tick: the task keeps what it holds, whole or not.
+            // The edge's own tick: the task keeps what it holds, complete or not.
             tick if tick == LAUNCH - DEBOUNCE && word < MARK_WORDS => {
                 assert_eq!(report.start, Start::Captive, "{tick} {word}");
                 continue;
@@ -154,7 +154,7 @@ fn a_dip_at_any_word_from_the_first_edge_to_free_flight_keeps_the_calibration_fr
     }
 }
 
-/// The separation itself may shake the supply.
+/// The separation itself may disturb the supply.
 #[test]
 fn any_number_of_dips_ends_no_mission_and_costs_no_latch() {
     let whole = undisturbed();
@@ -173,7 +173,7 @@ fn any_number_of_dips_ends_no_mission_and_costs_no_latch() {
     }
 }
 
-/// A program that crashes as soon as it runs stands by for longer and longer, and goes on with the latch
+/// A program that crashes as soon as it runs stands by for increasing times, and continues with the latch
 /// whenever it tries.
 #[test]
 fn crashes_in_a_row_back_off_and_the_latch_is_there_when_they_end() {
@@ -193,12 +193,12 @@ fn crashes_in_a_row_back_off_and_the_latch_is_there_when_they_end() {
         assert_eq!(latch, whole);
         let report = flight.reports.last().unwrap();
         assert_eq!((report.start, report.cause), (Start::Resumed, Cause::Panic));
-        // 1 ms until it crashed, 15 ms for the restart.
+        // 1 ms until it crashed, and 15 ms for the restart.
         assert_eq!(report.resumed_us, last_us + 1_000 + 15_000 + report.pause_us);
         pauses_s.push(report.pause_us / 1_000_000);
     }
     assert_eq!(pauses_s, [0, 0, 0, 1, 2, 4, 8, 16, 16, 16]);
-    // Four seconds without a crash, and the next one is the first again.
+    // After four seconds without a crash, the next one counts as the first again.
     flight.fly(ResetSource::Pin, |first| first + 800, None);
     let crash = CrashRecord { count: flight.last_output().time_us as u32, ..CrashRecord::new(Cause::Stuck) };
     keep_crash(&mut flight.memory, crash);

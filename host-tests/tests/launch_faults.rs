@@ -1,5 +1,5 @@
 //! One fault of the umbilical, of a chip, or of both, on the whole chain from the chips' registers to the
-//! mission: none of them launches what hangs under its pylon, and none hides a release.
+//! mission: no such fault is a launch while the vehicle hangs under its pylon, and none hides a release.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use chip_models::flown::{Chip, ChipFault, Fault, ModelledSuite};
@@ -15,7 +15,7 @@ use survival::{ResetSource, RetainedImage, Start};
 
 const TICK_US: u64 = 5_000;
 const FIRST_US: u64 = 1_000_000;
-/// When faults begin, and when the vehicle is released, seconds.
+/// Times at which faults begin and the vehicle is released, seconds.
 const FAULT_S: f32 = 25.0;
 const RELEASE_S: f32 = 45.0;
 const END_S: f32 = 55.0;
@@ -31,7 +31,7 @@ impl Noise {
 }
 
 /// Level flight under the pylon, in light turbulence; from the release on a fall at a load factor, until a
-/// second later it carries itself.
+/// second later the vehicle flies on its own wings.
 fn flight(released: bool, load: f32) -> Vec<TickInput> {
     flight_until(END_S, released, load)
 }
@@ -43,7 +43,7 @@ fn flight_until(end_s: f32, released: bool, load: f32) -> Vec<TickInput> {
         .map(|k| {
             let time_s = k as f32 * 0.005;
             let is_free = released && time_s >= RELEASE_S;
-            // Gusts of half a second, 0.03 g.
+            // Gusts lasting half a second, 0.03 g.
             gust += 0.03 * 0.14 * noise.next() - 0.01 * gust;
             let load = if is_free && time_s < RELEASE_S + 1.0 { load } else { 1.0 + gust };
             climb_mps += (load - 1.0) * 9.81 * 0.005;
@@ -79,10 +79,10 @@ fn flight_until(end_s: f32, released: bool, load: f32) -> Vec<TickInput> {
         .collect()
 }
 
-/// What a flight came to.
+/// The result of a flight.
 #[derive(Debug)]
 struct Outcome {
-    /// When it was said to have been launched, seconds.
+    /// Time of the reported launch, seconds.
     launched_s: Option<f32>,
     checks: Option<FailedChecks>,
     /// Ticks in which no calibration data was taken.
@@ -130,7 +130,7 @@ fn fly(flight: &[TickInput], faults: &[(f32, Chip, Fault)]) -> Outcome {
 const BOUNCES: Fault = Fault::Bounces { open_us: 60_000, closed_us: 100_000, seed: 3 };
 const STRANGER: Fault = Fault::Stranger { system: 9, component: 1, altitude_m: 9_000 };
 
-/// Every fault of the umbilical, and those of the accelerometer that a launch could be read from.
+/// All faults of the umbilical, and those of the accelerometer that could be mistaken for a launch.
 const FAULTS: [(Chip, Fault); 15] = [
     (Chip::Wire, Fault::Open),
     (Chip::Wire, Fault::Shorted),
@@ -166,12 +166,12 @@ fn a_broken_wire_is_found_and_the_mother_ship_goes_on_being_heard() {
     let sound = fly(&captive, &[]);
     let broken = fly(&captive, &[(FAULT_S, Chip::Wire, Fault::Open)]);
     assert_eq!(broken.wire, WireCondition::Broken);
-    // Until a message comes that is later than the window of 0.25 s.
+    // Until a message arrives after the window of 0.25 s.
     assert!((50..60).contains(&broken.held), "{broken:?}");
     assert_eq!((broken.masters_after_fault, sound.held), (sound.masters_after_fault, 0));
 }
 
-/// Two faults, one of them the wire, or the wire and what else the umbilical carries.
+/// Two faults: the wire and another chip, or the wire and the rest of the umbilical.
 #[test]
 fn a_wire_that_breaks_with_another_fault_is_no_launch() {
     let captive = flight(false, 1.0);
@@ -183,8 +183,8 @@ fn a_wire_that_breaks_with_another_fault_is_no_launch() {
     }
 }
 
-/// A torn cable under a dead inertial unit is no launch while the receiver's climb rate shows none. With
-/// nobody left who could contradict it, it is one, loudly unconfirmed.
+/// A torn cable with a dead inertial unit is not a launch while the receiver's climb rate shows none. If
+/// nothing is left that could contradict it, it is a launch, clearly reported as unconfirmed.
 #[test]
 fn a_torn_cable_without_a_witness_is_not_confirmed() {
     let captive = flight(false, 1.0);
@@ -197,20 +197,20 @@ fn a_torn_cable_without_a_witness_is_not_confirmed() {
     }
 }
 
-/// A receiver that is gone is no witness that is missed: who leaves the pylon feels it.
+/// A missing receiver is not a missing witness: a vehicle that leaves the pylon feels it.
 #[test]
 fn a_torn_cable_is_no_launch_without_a_receiver_either() {
     let torn = [(FAULT_S - 5.0, Chip::Gps, Fault::Unplugged), (FAULT_S, Chip::Umbilical, Fault::Torn)];
     let outcome = fly(&flight(false, 1.0), &torn);
     assert_eq!(outcome.launched_s, None, "{outcome:?}");
-    // A release without one is seen.
+    // A release without a receiver is detected.
     let released = fly(&flight(true, 0.4), &[(FAULT_S, Chip::Gps, Fault::Unplugged)]);
     assert!(released.launched_s.is_some_and(|at_s| at_s < RELEASE_S + 1.0), "{released:?}");
 }
 
-/// A release that falls is found through every fault but a wire that is shorted; one that carries itself also
-/// needs a wire that can be read, and a cable that was whole. Where its inertial unit is dead too, nothing
-/// shows the release but the wire, which is believed after a minute.
+/// A release with a fall is found through every fault but a shorted wire. A release of a vehicle that flies
+/// on its own wings also needs a wire that can be read, and a cable that was whole. If its inertial unit is
+/// dead too, only the wire shows the release, and it is accepted after a minute.
 #[test]
 fn no_single_fault_hides_a_release() {
     for (load, name) in [(0.4, "falls"), (1.0, "carries itself")] {
@@ -220,7 +220,7 @@ fn no_single_fault_hides_a_release() {
         assert!(sound.checks.is_some_and(|failed| !failed.contains(Check::LaunchConfirmed)));
         for (chip, fault) in FAULTS {
             let outcome = fly(&flight, &[(FAULT_S, chip, fault)]);
-            // Without a fall, a wire that says nothing or a torn cable leaves nobody to say so.
+            // Without a fall, an unreadable wire or a torn cable leaves no evidence.
             let says_nothing = matches!(fault, Fault::Shorted | Fault::Unreadable | Fault::Torn);
             if fault == Fault::Shorted || (load == 1.0 && says_nothing) {
                 continue;
@@ -235,7 +235,7 @@ fn no_single_fault_hides_a_release() {
     }
 }
 
-/// Noise on the open line after a launch reaches nobody.
+/// Noise on the open line after a launch has no effect.
 #[test]
 fn a_line_that_floats_after_a_launch_is_not_read() {
     let flight = flight(true, 0.4);
@@ -245,8 +245,8 @@ fn a_line_that_floats_after_a_launch_is_not_read() {
     assert_eq!(sound.launched_s, floating.launched_s);
 }
 
-/// A cable that tore under the pylon, and a minute later a dip of the supply: what opened before it says
-/// nothing of a release in it. A wire that opens in the dip does.
+/// A cable that tore under the pylon, and a minute later a dip of the supply: what opened before the dip is
+/// no evidence of a release during it. A wire that opens during the dip is.
 #[test]
 fn a_dip_of_the_supply_makes_no_launch_of_a_wire_that_was_known_to_be_broken() {
     let flight = flight(false, 1.0);

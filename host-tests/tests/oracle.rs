@@ -1,4 +1,4 @@
-//! kf-core's f32 filter against a textbook f64 one.
+//! kf-core's f32 filter against a textbook filter in f64.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -63,7 +63,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Twins<HEAD, TAIL, E> 
     }
 
     fn tick(&mut self, regressors_m: [f32; E]) {
-        // Both get the very same numbers: the reading as f32.
+        // Both get exactly the same numbers: the reading as f32.
         let mut y = [0.0_f32; 4];
         for (i, y) in y.iter_mut().enumerate() {
             let white: f64 = StandardNormal.sample(&mut self.random);
@@ -87,13 +87,13 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Twins<HEAD, TAIL, E> 
         state.into_iter().map(f64::from).collect()
     }
 
-    /// Largest difference of a state, in posterior sigmas of the textbook's.
+    /// Largest difference of a state, in the textbook's posterior sigmas.
     fn apart_sigmas(&self) -> f64 {
         let apart = |(i, x): (usize, f64)| (x - self.textbook.state[i]).abs() / self.textbook.sigma(i);
         self.state().into_iter().enumerate().map(apart).fold(0.0, f64::max)
     }
 
-    /// Largest relative difference of a variance; every one of ours must be positive.
+    /// Largest relative difference of a variance; all of kf-core's must be positive.
     fn variances_apart(&self) -> f64 {
         let apart = |i: usize| {
             let ours = f64::from(self.ours.covariance(i, i));
@@ -106,9 +106,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Twins<HEAD, TAIL, E> 
 
 /// Section 3.2's problem for section 3's flight: 70 s at 200 Hz, compared at every step.
 ///
-/// The tolerance is f32's own: the altitude is 2,050 m, read out with half an ulp of 2^-13 m; each
-/// of the k updates so far rounds the scaled state, at most 5 units of 64 m, and its gain, by a few
-/// parts in 2^24, and the roundings add up as a random walk.
+/// The tolerance is f32's own: the altitude is 2,050 m, read out with half an ulp of 2^-13 m. Each of the k
+/// updates so far rounds the scaled state, at most 5 units of 64 m, and its gain, by a few parts in 2^24; the
+/// roundings add up as a random walk.
 #[test]
 fn the_papers_problem_agrees_at_every_step_within_rounding() {
     for seed in 0..5 {
@@ -122,7 +122,7 @@ fn the_papers_problem_agrees_at_every_step_within_rounding() {
                 let apart = (ours - exact).abs();
                 assert!(apart < read_out + walk, "seed {seed}, step {k}, state {i}: {ours} {exact}");
             }
-            // Twelve roundings a tick end in one entry of D, and none is more than 2^-24. (They are not
+            // Twelve roundings a tick end up in one entry of D, each at most 2^-24. (They are not
             // independent: a ratio near 1 rounds the same way for many ticks.)
             let variances = twins.variances_apart();
             let bound = 12.0 * steps * 2.0_f64.powi(-24) + 1e-6;
@@ -162,7 +162,7 @@ fn four_million_ticks_end_within_a_tenth_of_a_sigma() {
 
 #[test]
 fn effects_as_states_agree_in_both_shapes() {
-    // Airspeed swept, so that the regressors move apart.
+    // The airspeed is swept, so that the regressors diverge.
     fn run<const HEAD: usize, const TAIL: usize, const E: usize>() -> (f64, f64) {
         let mut twins = Twins::<HEAD, TAIL, E>::new(3);
         for k in 0..14_000_u32 {

@@ -1,4 +1,4 @@
-//! The paper's flight, reconstructed (flights/README.md), gives the paper's figures back: over fifty seeds,
+//! The paper's flight, reconstructed (flights/README.md), reproduces the paper's figures: over fifty seeds,
 //! and by two ways that share nothing: eqs 9 to 17 written out in f64, and the flight estimator with the
 //! paper's preset.
 //!
@@ -21,7 +21,7 @@ const SEEDS: u64 = 50;
 const SETTLING_S: f64 = 10.0;
 const LAUNCH_S: f64 = 80.0;
 
-/// What the paper publishes of one sensor: Table 1, and section 4's text.
+/// Published values of one sensor: Table 1, and section 4's text.
 struct Published {
     sensor: Sensor,
     bias_m: f64,
@@ -50,11 +50,11 @@ const PUBLISHED: [Published; 2] = [
     },
 ];
 
-/// What one flight gives of one sensor; times in seconds after launch.
+/// Results of one flight for one sensor; times in seconds after launch.
 #[derive(Clone, Copy, Debug)]
 struct Found {
     bias_m: f64,
-    /// Standard error of the residual's mean, with its autocorrelation.
+    /// Standard error of the residual's mean, including its autocorrelation.
     bias_error_m: f64,
     sigma_m: f64,
     doubtful_s: f64,
@@ -71,13 +71,13 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|x| (x - centre).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)).sqrt()
 }
 
-/// Standard error of a mean by batches of a second: far longer than the residual's correlation.
+/// Standard error of a mean by batches of a second, far longer than the residual's correlation time.
 fn standard_error(values: &[f64]) -> f64 {
     let batches: Vec<f64> = values.chunks_exact(200).map(mean).collect();
     deviation(&batches) / (batches.len() as f64).sqrt()
 }
 
-/// Eqs 9 to 17 in f64, straight from the page. The flight has every sensor in every row.
+/// Eqs 9 to 17 in f64, exactly as printed. The flight has every sensor in every row.
 fn straight_from_the_page(flight: &Flight, window_s: f64) -> [Found; 2] {
     let cell = |channel, row| flight.channel(channel).and_then(|column| column.get(row)).map(f64::from);
     let observation = |row| {
@@ -173,7 +173,7 @@ struct Flown {
     estimator: [Found; 2],
 }
 
-/// Flies the seeds on all the machine's cores.
+/// Flies the seeds on all cores of the machine.
 fn fly() -> Vec<Flown> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/paper-reconstruction.toml");
     let scenario = load_scenario(&path).unwrap();
@@ -198,7 +198,7 @@ fn fly() -> Vec<Flown> {
     flown
 }
 
-/// A quantity of [`Found`]: what it is called, where it is, and what is published of it.
+/// A quantity of [`Found`]: its name, its value, and its published value.
 type Quantity = (&'static str, fn(&Found) -> f64, fn(&Published) -> f64);
 
 const QUANTITIES: [Quantity; 5] = [
@@ -244,10 +244,11 @@ fn check(way: &str, flown: &[Flown], pick: impl Fn(&Flown) -> &[Found; 2]) {
             assert!((found.untrustworthy_s - published.untrustworthy_s).abs() <= 0.5, "{where_}");
             assert!((found.end_m - published.end_m).abs() <= 10.0, "{where_}");
         }
-        // A normal error is within two sigma in 95.4 %; of 50 that is 47.7 +- 1.5. Three sigma of that lower: 43.
+        // A normal error is within two sigma in 95.4 %; of 50 that is 47.7 +- 1.5. Three sigma of that below:
+        // 43.
         let within = flown.iter().filter(|flown| bias_is_within(&pick(flown)[index], published)).count();
         assert!(within >= 43, "{way}, {name}: {within} of {SEEDS}");
-        // And there is no bias of the biases: their mean over the seeds is within three of its own sigmas.
+        // The biases are unbiased: their mean over the seeds is within three of its own sigmas.
         let biases: Vec<f64> = flown.iter().map(|flown| pick(flown)[index].bias_m).collect();
         let error = (mean(&biases) - published.bias_m).abs();
         assert!(error <= 3.0 * deviation(&biases) / (SEEDS as f64).sqrt(), "{way}, {name}: {error}");
@@ -263,11 +264,11 @@ fn paper_spread() {
     check("flight estimator, paper preset", &flown, |flown| &flown.estimator);
     for flown in &flown {
         for (page, estimator) in flown.page.iter().zip(&flown.estimator) {
-            // f32 keeps a posterior sigma's hundredth; a sigma of the bias here is a metre at most.
+            // f32 keeps a hundredth of a posterior sigma; a sigma of the bias here is at most a metre.
             assert!((page.bias_m - estimator.bias_m).abs() < 0.05, "{page:?} {estimator:?}");
             assert!((page.sigma_m / estimator.sigma_m - 1.0).abs() < 1e-3, "{page:?} {estimator:?}");
-            // The estimator's window is made of 32 parts: 1/32 of it shorter at the most, so half of that
-            // earlier.
+            // The estimator's window is made of 32 parts: at most 1/32 of it shorter, so earlier by half of
+            // that.
             assert!((page.doubtful_s - estimator.doubtful_s).abs() < 0.1, "{page:?} {estimator:?}");
             assert!((page.untrustworthy_s - estimator.untrustworthy_s).abs() < 0.1, "{page:?} {estimator:?}");
             assert!((page.end_m - estimator.end_m).abs() < 1.0, "{page:?} {estimator:?}");

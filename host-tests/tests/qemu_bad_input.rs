@@ -1,4 +1,4 @@
-//! Bad input to the emulated flight computer: it never panics, it counts, and while there are ticks
+//! Bad input to the emulated flight computer: it never panics, it counts the input, and while there are ticks
 //! they have the host's bits.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
@@ -26,7 +26,7 @@ fn fly_changed(change: impl FnOnce(&mut Vec<TickInput>)) -> FlyReport {
     must(fly_inputs(inputs.iter().copied(), &model(), &FlyOptions::default()))
 }
 
-/// As [`fly_changed`], for what the ticks say.
+/// As [`fly_changed`], but returns the ticks' results.
 fn fly_raw(change: impl FnOnce(&mut Vec<TickInput>)) -> RawFlight {
     let mut inputs = flight();
     change(&mut inputs);
@@ -37,7 +37,7 @@ fn fly_raw(change: impl FnOnce(&mut Vec<TickInput>)) -> RawFlight {
     flight
 }
 
-/// Header and inputs, without an end.
+/// A stream with header and inputs, without an end.
 fn stream(inputs: &[TickInput]) -> Vec<u8> {
     let mut encoder = Encoder::new();
     let mut buffer = [0; MAX_STUFFED];
@@ -49,7 +49,7 @@ fn stream(inputs: &[TickInput]) -> Vec<u8> {
     bytes
 }
 
-/// The frame that follows header and inputs.
+/// A stream with that frame after header and inputs.
 fn frame_after<P: Payload>(inputs: &[TickInput], payload: &P) -> Vec<u8> {
     let mut encoder = Encoder::new();
     let mut buffer = [0; MAX_STUFFED];
@@ -184,7 +184,7 @@ fn a_garbled_record_is_flown_without_the_garbled_frames_and_they_are_counted() {
     let flight = must(fly_bytes(&bytes, &model(), None));
     assert_eq!(flight.status, Some(ExitStatus::Finished), "{:?}", flight.log);
     let summary = flight.summary.unwrap();
-    // Ten garbled, each one or (when it was the closing zero) two; and the garbage.
+    // Ten garbled frames, each counted as one or (when it was the closing zero) two; and the garbage.
     assert!((11..=21).contains(&summary.bad_frames), "{summary:?}");
     assert!((10..=20).contains(&summary.missed_frames), "{summary:?}");
     assert_eq!(summary.ticks + summary.missed_frames, u32::try_from(TICKS).unwrap());
@@ -209,7 +209,7 @@ fn frames_out_of_place_are_counted_and_skipped() {
     let mut bytes = stream(&[]);
     let mut encoder = Encoder::new();
     let mut buffer = [0; MAX_STUFFED];
-    // The second header has the number that follows the first's.
+    // The second header has the sequence number after the first's.
     encoder.encode(&End { inputs: 0 }, &mut buffer).unwrap();
     bytes.extend(encoder.encode(&Header::new(Stream::Inputs, 0, SensorSource::Ideal), &mut buffer).unwrap());
     for input in &flight()[..10] {

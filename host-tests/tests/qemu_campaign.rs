@@ -1,5 +1,5 @@
 //! A sample of the fault campaign in QEMU: short flights with their faults, every tick with the host's bits,
-//! and none dearer than the budget. Ten runs; `cargo xtask campaign --qemu 50` flies more.
+//! and none over the budget. Ten runs; `cargo xtask campaign --qemu 50` flies more.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the test fails and says what to install
 //! (`cargo xtask test` installs it).
@@ -35,7 +35,7 @@ fn seconds(tick: usize) -> f64 {
     (FIRST_US + tick as u64 * TICK_US) as f64 * 1e-6
 }
 
-/// The faults of chips as a flight record has them.
+/// The faults of chips in a flight record's form.
 fn planned(faults: &[Drawn]) -> Vec<PlannedFault> {
     let mut planned: Vec<PlannedFault> = Vec::new();
     for fault in faults {
@@ -47,9 +47,9 @@ fn planned(faults: &[Drawn]) -> Vec<PlannedFault> {
             let end = (!event.fault.is_once()).then_some(seconds(next));
             let is_taken =
                 planned.iter().any(|one| one.fault.chip == event.chip && one.start_s == seconds(*tick));
-            // A record has one event of a chip at a time.
+            // A record holds one event of a chip at a time.
             if !is_taken && end != Some(seconds(*tick)) {
-                // What goes on until the next event ends a tick before it.
+                // A fault that lasts until the next event ends a tick before it.
                 let end_s =
                     end.map(|end_s| if place + 2 < fault.events.len() { end_s - 0.005 } else { end_s });
                 planned.push(PlannedFault { fault: *event, start_s: seconds(*tick), end_s });
@@ -78,8 +78,8 @@ fn bits(output: &TickOutput) -> Vec<u8> {
     postcard::to_slice(output, &mut buffer).unwrap().to_vec()
 }
 
-/// Holds a flight that was interrupted to the host's: the whole chain up to the first restart, the mission
-/// from there on, which goes on from the snapshots that the flight computer says.
+/// Compares an interrupted flight with the host's: the whole chain up to the first restart, and from there on
+/// the mission, continued from the snapshots that the flight computer reports.
 fn check_struck(flown: &RawFlight, inputs: &[TickInput], faults: &[PlannedFault], what: &str) {
     let model = Model::default();
     let mut chain = Vec::new();
@@ -114,7 +114,7 @@ fn check_struck(flown: &RawFlight, inputs: &[TickInput], faults: &[PlannedFault]
     }
 }
 
-/// Flies a run; the instructions of its dearest tick.
+/// Flies a run; returns the instructions of its most expensive tick.
 fn fly(seed: u64, case: &Case) -> u32 {
     let names: Vec<_> = case.faults.iter().map(|fault| fault.name).collect();
     let what = format!("run {}, {}", case.index, names.join(" and "));
@@ -142,7 +142,7 @@ fn fly(seed: u64, case: &Case) -> u32 {
 #[test]
 fn a_sample_of_the_campaign_has_the_same_bits_in_qemu() {
     let (runs, seed) = (number("PYLON_CAMPAIGN_RUNS", 10) as usize, number("PYLON_CAMPAIGN_SEED", 1));
-    // A record's clock does not leap: the flight computer's grid of ticks has no gaps in it.
+    // A record's clock does not jump: the flight computer's grid of ticks has no gaps.
     let is_possible =
         |case: &Case| case.faults.iter().all(|fault| !matches!(fault.place, Place::Clock | Place::Program));
     let cases: Vec<Case> =

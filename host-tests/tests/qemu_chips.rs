@@ -1,6 +1,6 @@
 //! Flights on models of the sensors' chips, through their drivers, in the emulated flight computer: every
-//! tick has the host's bits, the calibration is that of ideal sensors within what the chips' resolution and
-//! delays explain, and a chip that fails costs its own samples, counted, and comes back.
+//! tick has the host's bits, the calibration matches that of ideal sensors within the chips' resolution and
+//! delays, and a failing chip costs only its own samples, counted, and recovers.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
 //! (`cargo xtask test` installs it).
@@ -34,7 +34,7 @@ fn on_chips(faults: &[&str]) -> FlyOptions {
     }
 }
 
-/// A bundled flight, with the model that it is for.
+/// A bundled flight, with the model that it is meant for.
 fn bundled(name: &str, model: &Model) -> FlyReport {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights").join(name);
     let scenario = load_scenario(&file).unwrap();
@@ -43,7 +43,7 @@ fn bundled(name: &str, model: &Model) -> FlyReport {
     must(fly(&replay, &on_chips(&[])))
 }
 
-/// What every healthy flight on chips must show.
+/// Requirements for every healthy flight on chips.
 fn check_healthy(name: &str, report: &FlyReport) {
     let chips = report.chips.as_ref().unwrap();
     assert_eq!(report.sensor_faults, 0, "{name}");
@@ -59,14 +59,14 @@ fn check_healthy(name: &str, report: &FlyReport) {
     let budgets = Budgets::read().unwrap();
     let unexpected = budgets.unexpected(&budgets.check_flight(name, report));
     assert!(unexpected.is_empty(), "{unexpected:#?}");
-    // The bits were compared of ticks in which the drivers had something to do.
+    // The compared ticks are ones in which the drivers had work to do.
     for part in &report.parts {
         assert!(part.instructions_mean > 10.0, "{name}: {part:?}");
     }
 }
 
-/// `one-hour.toml` is left out: it is captive flight for a benchmark, of which the others have two minutes
-/// each.
+/// `one-hour.toml` is left out: it is captive flight for a benchmark, and the others have two minutes each of
+/// that.
 #[test]
 fn bundled_flights_have_the_hosts_bits_and_the_ideal_sensors_calibration() {
     for name in ["quickstart.toml", "clean.toml", "hidden-static-port.toml", "hidden-static-port-second.toml"]
@@ -81,18 +81,18 @@ fn the_papers_flight_has_the_hosts_bits_and_the_ideal_sensors_calibration() {
     check_healthy("paper-reconstruction.toml", &bundled("paper-reconstruction.toml", &Model::paper()));
 }
 
-/// A level flight without noise: what is left are quanta.
+/// A level flight without noise: only quantisation is left.
 #[test]
 fn without_noise_the_calibration_is_the_ideal_one_to_the_quantum() {
     let inputs = flight().into_iter().enumerate().map(|(k, input)| TickInput {
         gps: input.gps.map(|mut fix| {
             // To a millimetre: a receiver that repeats every bit of its fixes is stuck.
             fix.altitude_m = 2_000.0 + (k / 20 % 2) as f32 / 1_000.0;
-            // And falls then, or nothing tells a launch from a torn cable.
+            // The vehicle then falls; otherwise nothing distinguishes a launch from a torn cable.
             fix.velocity_down_mps = Some(if k >= LAUNCH { 30.0 } else { 0.0 });
             fix
         }),
-        // Not quite constant, or it is stuck.
+        // Not quite constant, or it would count as stuck.
         baro: input.baro.map(|_| BaroReading::PressurePa(79_495.0 + (k % 8) as f32 / 128.0)),
         imu_master_altitude_m: input.imu_master_altitude_m.map(|_| 2_012.0 + (k % 8) as f32 / 1_024.0),
         imu_slave_altitude_m: input.imu_slave_altitude_m.map(|_| 1_927.0 + (k % 8) as f32 / 1_024.0),
@@ -106,7 +106,7 @@ fn without_noise_the_calibration_is_the_ideal_one_to_the_quantum() {
     }
 }
 
-/// Values beyond a chip's range and values that are none: counted, an error of the driver, never a sample.
+/// Values beyond a chip's range and invalid values: counted as errors of the driver, never a sample.
 #[test]
 fn what_a_chip_can_not_measure_is_counted_and_becomes_no_sample() {
     let inputs: Vec<TickInput> = flight()
@@ -139,7 +139,8 @@ fn what_a_chip_can_not_measure_is_counted_and_becomes_no_sample() {
     assert_eq!(beyond, 0);
 }
 
-/// What a sensor delivered in a span of the flight, in ticks: barometer, inertial unit, receiver, umbilical.
+/// Readings delivered by each sensor in a span of the flight, in ticks: barometer, inertial unit, receiver,
+/// umbilical.
 fn delivered(steps: &[(Step, u32)], from_s: f64, to_s: f64) -> [usize; 4] {
     let span = span(steps, from_s, to_s);
     let count = |has: fn(&TickInput) -> bool| span.iter().filter(|(step, _)| has(&step.input)).count();
@@ -156,7 +157,7 @@ fn span(steps: &[(Step, u32)], from_s: f64, to_s: f64) -> &[(Step, u32)] {
     &steps[tick(from_s)..tick(to_s)]
 }
 
-/// Flies with these faults: the target has the host's bits; here is what the host saw.
+/// Flies with these faults: the target has the host's bits; the host's steps are returned.
 fn fly_with(faults: &[&str]) -> Vec<(Step, u32)> {
     fly_inputs_with(&flight(), faults)
 }
@@ -171,10 +172,10 @@ fn fly_inputs_with(inputs: &[TickInput], faults: &[&str]) -> Vec<(Step, u32)> {
     });
     assert_eq!(count.unwrap(), report.sensor_faults, "{faults:?}");
     assert_eq!(steps.len(), TICKS, "{faults:?}");
-    // Whatever fails, what is latched is of the tick at which the wire opened.
+    // Whatever fails, the latch is of the tick at which the wire opened.
     assert_eq!(report.latch.as_ref().unwrap().time_us, 1_000_000 + LAUNCH as u64 * TICK_US, "{faults:?}");
-    // The mother ship's messages, ten a second, must have been missed five times, or nothing spoke for three
-    // seconds.
+    // Either the mother ship's messages, ten a second, must be missing five times, or there is no evidence
+    // for three seconds.
     let confirmed = steps.iter().position(|(step, _)| step.output.latched_now);
     assert!(
         confirmed.is_some_and(|at| (LAUNCH + 4..LAUNCH + 620).contains(&at)),
@@ -186,11 +187,11 @@ fn fly_inputs_with(inputs: &[TickInput], faults: &[&str]) -> Vec<(Step, u32)> {
 
 /// Captive flight, launch (at 21 s) and free flight; the flight ends at 31 s.
 const PHASES: [(f64, f64); 3] = [(8.0, 11.0), (20.5, 22.5), (24.0, 27.0)];
-/// From a fault's end until the sensor is as it was: an initialisation takes a tenth of that.
+/// Time from a fault's end until the sensor has recovered: an initialisation takes a tenth of that.
 const RECOVERY_S: f64 = 1.2;
 
-/// A fault of one chip in each phase. It is counted each time, the others' samples are as without it, and its
-/// own are back afterwards.
+/// A fault of one chip in each phase. It is counted each time, the other sensors' samples are as without it,
+/// and its own recover afterwards.
 fn check_in_each_phase(chip: usize, fault: &str, silences: bool) {
     let planned: Vec<String> = PHASES.iter().map(|(start, end)| format!("{fault} {start}..{end}")).collect();
     check(chip, &planned, silences);
@@ -214,7 +215,7 @@ fn check(chip: usize, planned: &[String], silences: bool) {
             assert_eq!(during[other], usual[other], "{faults:?}: sensor {other} at {start_s} s");
         }
         if silences {
-            // The first tenth of a second: what was on its way when the fault began.
+            // Except the first tenth of a second: data in transit when the fault began.
             assert_eq!(delivered(&steps, start_s + 0.1, end_s)[chip], 0, "{faults:?}: at {start_s} s");
         }
         if chip != 3 || end_s < 21.0 {
@@ -225,7 +226,7 @@ fn check(chip: usize, planned: &[String], silences: bool) {
                 "{faults:?}: {again} of {usual} after {end_s} s"
             );
         }
-        // And nothing fails any more.
+        // And no further faults are counted.
         assert_eq!(counts(end_s + RECOVERY_S), counts((end_s + 1.4).min(30.9)), "{faults:?} after {end_s} s");
     }
 }
@@ -246,7 +247,7 @@ fn a_barometer_that_fails_in_any_phase_is_counted_and_comes_back() {
         check_in_each_phase(0, fault, true);
     }
     for fault in ["baro reset", "baro flip-bits=0x80"] {
-        // A flipped bit is seen only where it leaves the range: see onboard/chip-models/tests/ms5611.rs.
+        // A flipped bit is detected only where it leaves the range: see onboard/chip-models/tests/ms5611.rs.
         let counted = fault == "baro reset";
         if counted {
             check_once_in_each_phase(0, fault);
@@ -262,7 +263,7 @@ fn an_inertial_unit_that_fails_in_any_phase_is_counted_and_comes_back() {
         check_in_each_phase(1, fault, true);
     }
     check_once_in_each_phase(1, "imu reset");
-    // The chip sends no check of its data: a flipped bit passes, and must harm nothing else.
+    // The chip sends no checksum of its data: a flipped bit passes, and must harm nothing else.
     fly_with(&["imu flip-bits=0x80 8", "imu flip-bits=0x80 21", "imu flip-bits=0x80 25"]);
 }
 
@@ -283,8 +284,8 @@ fn a_receiver_that_can_not_be_configured_at_first_is_counted_and_comes_back() {
     }
 }
 
-/// Its registers answer, and what it measures does not move any more: no driver can know, the mission does,
-/// after two seconds.
+/// Its registers answer, but its measurement no longer changes: a driver cannot detect that; the mission
+/// does, after two seconds.
 #[test]
 fn a_barometer_that_repeats_itself_is_rejected_and_counted_in_every_phase() {
     for (start_s, end_s) in [(8.0, 12.0), (18.0, 24.0), (24.0, 29.0)] {
@@ -302,7 +303,7 @@ fn a_barometer_that_repeats_itself_is_rejected_and_counted_in_every_phase() {
         let of_baro = |(step, _): &&(Step, u32)| step.input.baro.is_some();
         let rejected =
             |(step, _): &(Step, u32)| step.output.sensors[BARO].rejection == Some(Rejection::Stuck);
-        // Two seconds of one value, and what was on its way when it began.
+        // Two seconds of one value, and data in transit when it began.
         let early = span(&steps, 1.0, start_s + 2.0);
         assert!(!early.iter().any(rejected), "{start_s}");
         let late = span(&steps, start_s + 2.2, end_s);
@@ -310,7 +311,7 @@ fn a_barometer_that_repeats_itself_is_rejected_and_counted_in_every_phase() {
         assert!(late.iter().filter(of_baro).all(rejected), "{start_s}");
         let after = span(&steps, end_s + 0.2, 31.0);
         assert!(!after.iter().any(rejected), "{start_s}");
-        // A calibration with it says so; a value that was stuck is not watched, nor trusted for it.
+        // The calibration reports it; a stuck sensor is neither monitored nor trusted because of it.
         let latched = steps.iter().find(|(step, _)| step.output.latched_now).unwrap();
         let failed = FailedChecks::from_bits(latched.0.output.failed_checks);
         assert_eq!(failed.contains(Check::SensorsAlive), start_s < 20.0, "{start_s}");
@@ -318,7 +319,7 @@ fn a_barometer_that_repeats_itself_is_rejected_and_counted_in_every_phase() {
 }
 
 /// [`flight`] with the three seconds of free fall that it takes to reach its rate of descent: without a
-/// receiver nothing else tells a launch from a torn cable.
+/// receiver nothing else distinguishes a launch from a torn cable.
 fn falling_flight() -> impl Iterator<Item = TickInput> {
     flight().into_iter().enumerate().map(|(k, mut input)| {
         if let Some(imu) = &mut input.imu
@@ -330,7 +331,7 @@ fn falling_flight() -> impl Iterator<Item = TickInput> {
     })
 }
 
-/// While nobody is monitored, the two that fly free are held against each other.
+/// While no sensor is monitored, the two that fly free are compared with each other.
 #[test]
 fn without_a_receiver_barometer_and_inertial_altitude_are_checked_against_each_other() {
     let cross_checks = |offset_pa: f32| {
@@ -347,7 +348,8 @@ fn without_a_receiver_barometer_and_inertial_altitude_are_checked_against_each_o
             })
             .collect();
         let steps = fly_inputs_with(&inputs, &["gps unplugged 17..31"]);
-        // From the launch on: what a climb rate of four seconds ago makes of the altitude judges nobody.
+        // From the launch on: an altitude extrapolated with a climb rate from four seconds ago judges no
+        // sensor.
         assert!(span(&steps, 1.0, 21.0).iter().all(|(step, _)| step.output.cross_check.is_none()));
         let at = |from_s: f64, to_s: f64| {
             let checks: Vec<_> = span(&steps, from_s, to_s)
@@ -360,13 +362,13 @@ fn without_a_receiver_barometer_and_inertial_altitude_are_checked_against_each_o
         };
         at(26.5, 30.0) - at(23.0, 25.5)
     };
-    // 500 Pa are 51 m of altitude at 79 kPa, whatever the two differ by otherwise.
+    // 500 Pa are 51 m of altitude at 79 kPa, whatever other difference the two have.
     let moved_m = cross_checks(500.0) - cross_checks(0.0);
     assert!((moved_m + 51.0).abs() < 2.0, "{moved_m}");
 }
 
-/// Longer than the reference may be gone, at launch: nobody is watched, and that is said; with fixes the
-/// watch begins. The wire, the messages and the free fall show the launch.
+/// At launch the receiver has been away for longer than a reference may be: no sensor is monitored, and that
+/// is reported; monitoring begins with the fixes. The wire, the messages and the free fall show the launch.
 #[test]
 fn without_a_receiver_in_free_flight_nobody_is_monitored_until_it_is_back() {
     let inputs: Vec<TickInput> = falling_flight().collect();
@@ -381,12 +383,12 @@ fn without_a_receiver_in_free_flight_nobody_is_monitored_until_it_is_back() {
     assert!(trusts(28.5).iter().all(|trust| *trust != Trust::Unmonitored));
 }
 
-/// Silence before launch is a fault, and from launch on it is none.
+/// Silence before launch is a fault; from launch on it is not.
 #[test]
 fn an_umbilical_that_is_cut_is_counted_in_captive_flight_and_expected_at_launch() {
     let steps = fly_with(&["umbilical unplugged 8..12"]);
     assert_eq!(delivered(&steps, 8.1, 12.0)[3], 0);
-    // One complaint a second.
+    // One fault counted a second.
     assert_eq!(span(&steps, 12.0, 12.1)[0].1, 3);
     assert!(delivered(&steps, 13.0, 14.0)[3] > 45);
     assert_eq!(delivered(&steps, 21.0, 31.0)[3], 0);
@@ -398,7 +400,7 @@ fn an_umbilical_that_is_cut_is_counted_in_captive_flight_and_expected_at_launch(
     }
 }
 
-/// The comparison sees what only the drivers could have done.
+/// The comparison detects an error that only the drivers could have made.
 #[test]
 fn one_unit_in_the_last_place_behind_the_drivers_is_found() {
     let options = FlyOptions { host_ulp_error: true, ..on_chips(&[]) };

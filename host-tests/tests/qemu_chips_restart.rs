@@ -1,6 +1,5 @@
-//! Chips that fail before, while and after the emulated flight computer restarts in free flight: it resumes
-//! with what it had latched, whatever they do; what is dead is counted and is silent, the others are watched,
-//! and each comes back.
+//! Chips that fail before, while and after the emulated flight computer restarts in free flight. In all cases
+//! it resumes with its latch; dead chips are counted and silent, the others are monitored, and each recovers.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
 //! (`cargo xtask test` installs it).
@@ -17,15 +16,16 @@ use pylon::fly::{FlyOptions, PlannedFault, RawFlight, SensorSource, fly_on_host,
 use restarts::{at, model, resumed};
 use ticks::{LAUNCH, flight, must};
 
-/// The tick that is struck: 24.5 s. The first one after it is at 24.6 s.
+/// The tick at which the reset strikes: 24.5 s. The first one after it is at 24.6 s.
 const STRUCK: usize = LAUNCH + 700;
 const BACK_S: f64 = 24.6;
-/// From a fault's end, or the restart, until a sensor is as it was: an initialisation takes a tenth of that.
+/// Time from a fault's end, or the restart, until a sensor has recovered: an initialisation takes a tenth of
+/// that.
 const RECOVERY_S: f64 = 1.2;
 const SLAVE: usize = 1;
 const BARO: usize = 2;
 
-/// The flight without the errors of its free part, so that no flag is raised that would stay.
+/// The flight without the errors of its free part, so that it raises no lasting flag.
 fn sound() -> Vec<TickInput> {
     let mut inputs = flight();
     for (k, input) in inputs.iter_mut().enumerate().skip(LAUNCH) {
@@ -39,12 +39,12 @@ fn sound() -> Vec<TickInput> {
         input.imu_slave_altitude_m =
             input.imu_slave_altitude_m.map(|altitude_m| altitude_m - free_s * free_s);
     }
-    // The dive is at its rate from the first tick on.
+    // The dive has its full rate from the first tick on.
     inputs[LAUNCH].gps.as_mut().unwrap().velocity_down_mps = Some(30.0);
     inputs
 }
 
-/// What the tests take for granted: without a fault and a restart nobody is flagged.
+/// A premise of the tests: without a fault and a restart no sensor is flagged.
 #[test]
 fn the_flight_is_sound() {
     let options = FlyOptions { sensors: SensorSource::Chips, ..FlyOptions::default() };
@@ -61,7 +61,7 @@ fn the_flight_is_sound() {
     assert!(watched > 1_800, "{watched}");
 }
 
-/// Flies with these faults, struck once.
+/// Flies with these faults and one reset.
 fn fly(faults: &[&str]) -> RawFlight {
     let planned: Vec<PlannedFault> = faults.iter().map(|fault| fault.parse().unwrap()).collect();
     let strike = Strike { blow: Blow::Reset, time_us: at(STRUCK) };
@@ -84,7 +84,7 @@ fn span(flown: &RawFlight, from_s: f64, to_s: f64) -> impl Iterator<Item = &Tick
     flown.ticks.iter().filter(move |tick| is_in(tick.output.time_us))
 }
 
-/// What a sensor delivered in a span: barometer, inertial unit, receiver.
+/// Readings delivered by each sensor in a span: barometer, inertial unit, receiver.
 fn delivered(flown: &RawFlight, from_s: f64, to_s: f64) -> [usize; 3] {
     let count =
         |has: fn(&TickInput) -> bool| span(flown, from_s, to_s).filter(|tick| has(&tick.input)).count();
@@ -95,7 +95,7 @@ fn delivered(flown: &RawFlight, from_s: f64, to_s: f64) -> [usize; 3] {
     ]
 }
 
-/// The same flight, struck, without a fault.
+/// The same flight with the reset, without a fault.
 fn healthy() -> &'static RawFlight {
     static HEALTHY: std::sync::OnceLock<RawFlight> = std::sync::OnceLock::new();
     HEALTHY.get_or_init(|| {
@@ -105,8 +105,8 @@ fn healthy() -> &'static RawFlight {
     })
 }
 
-/// A fault of one chip that ends at 28 s at the latest: it is counted after the restart, silences the chip
-/// for as long as it lasts if `silent_s` says so, leaves the others as they are, and is over when it ends.
+/// A fault of one chip that ends at 28 s at the latest. It is counted after the restart, silences the chip
+/// during `silent_s` if given, leaves the others unchanged, and is over when it ends.
 fn check(chip: usize, fault: &str, silent_s: Option<(f64, f64)>) {
     let flown = fly(&[fault]);
     let healthy = healthy();
@@ -124,8 +124,8 @@ fn check(chip: usize, fault: &str, silent_s: Option<(f64, f64)>) {
     let (from_s, to_s) = (28.0 + RECOVERY_S, 30.9);
     let (again, usual) = (delivered(&flown, from_s, to_s)[chip], delivered(healthy, from_s, to_s)[chip]);
     assert!(again > 0 && again.abs_diff(usual) <= 1, "{fault}: {again} of {usual} in the end");
-    // The unit of its own that delivers `imu_slave` is read on, and its error watched; without a receiver
-    // there is nothing that would be held against it.
+    // The vehicle's own unit for `imu_slave` is still read, and its error monitored; without a receiver it is
+    // not judged.
     let slave = |from_s, to_s, is: fn(&SensorOutput) -> bool| {
         span(&flown, from_s, to_s).filter(|tick| is(&tick.output.sensors[SLAVE])).count()
     };
@@ -156,7 +156,8 @@ fn a_chip_that_is_dead_when_the_flight_computer_comes_back_keeps_nothing_from_re
     check(2, "gps unplugged 23..28", Some((BACK_S, 28.0)));
 }
 
-/// A fault that begins while nobody looks is found at the first tick; one that ends then is not even seen.
+/// A fault that begins while the computer is away is found at the first tick; one that ends then is not even
+/// detected.
 #[test]
 fn a_fault_that_begins_or_ends_while_the_flight_computer_is_away_is_the_flights_not_the_restarts() {
     check(0, "baro bus-error 24.55..28", Some((BACK_S, 28.0)));
@@ -170,8 +171,8 @@ fn a_fault_that_begins_or_ends_while_the_flight_computer_is_away_is_the_flights_
     }
 }
 
-/// A chip that lost its configuration before, while and after the flight computer was reset is set up again,
-/// as is one that kept it, of which the drivers know nothing.
+/// A chip that lost its configuration before, while and after the flight computer was reset is set up again.
+/// So is one that kept it, because the drivers cannot know that.
 #[test]
 fn a_chip_that_was_reset_as_well_is_set_up_again() {
     for (chip, name) in ["baro", "imu", "gps"].into_iter().enumerate() {
@@ -188,12 +189,12 @@ fn a_chip_that_was_reset_as_well_is_set_up_again() {
             }
         }
     }
-    // Whatever the drivers do, it takes them no longer than after a power-on.
+    // Whatever the drivers do takes no longer than after a power-on.
     let usual = delivered(healthy(), BACK_S + RECOVERY_S, 30.9);
     assert!(usual.iter().all(|count| *count > 25), "{usual:?}");
 }
 
-/// A receiver that kept its configuration and does not take another one.
+/// A receiver that kept its configuration and does not accept another.
 #[test]
 fn a_receiver_that_can_not_be_configured_any_more_is_counted_and_comes_back() {
     for fault in ["gps refuses 24.55..28", "gps silent 24.55..28"] {
@@ -201,8 +202,8 @@ fn a_receiver_that_can_not_be_configured_any_more_is_counted_and_comes_back() {
     }
 }
 
-/// How long a sensor has been silent goes on over the restart: five seconds after its last sample it is not
-/// monitored any more, and the other one is.
+/// The time that a sensor has been silent continues over the restart: five seconds after its last sample it
+/// is no longer monitored, and the other one still is.
 #[test]
 fn a_barometer_that_died_before_the_restart_is_unmonitored_five_seconds_after_its_last_sample() {
     let flown = fly(&["baro stuck-low 23..30.99"]);
@@ -217,14 +218,14 @@ fn a_barometer_that_died_before_the_restart_is_unmonitored_five_seconds_after_it
     }
 }
 
-/// All at once, and for good: what was latched is there, and nobody is said to be watched.
+/// All chips fail at once, and for good: the latch is still there, and no sensor is reported as monitored.
 #[test]
 fn with_every_chip_dead_it_resumes_and_says_that_nobody_is_monitored() {
     let flown = fly(&["baro bus-error 23..30.99", "imu bus-error 23..30.99", "gps unplugged 23..30.99"]);
     assert_eq!(delivered(&flown, BACK_S, 31.0), [0, 0, 0]);
     assert!(flown.summary.as_ref().unwrap().sensor_faults > 0);
     for tick in span(&flown, 29.0, 31.0) {
-        // The unit of its own delivers, and has no reference to have an error from.
+        // The vehicle's own unit delivers, but has no reference to have an error from.
         assert_eq!([SLAVE, BARO].map(|sensor| tick.output.sensors[sensor].trust), [Trust::Unmonitored; 2]);
         assert!(tick.output.sensors[SLAVE].error_m.is_none());
     }

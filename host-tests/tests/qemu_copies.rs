@@ -1,4 +1,4 @@
-//! The firmware's own copies and fills of memory, every length of them, in QEMU.
+//! The firmware's own memory copy and fill routines, with every length, in QEMU.
 #![allow(clippy::unwrap_used)]
 
 use std::time::Duration;

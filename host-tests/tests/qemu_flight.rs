@@ -1,5 +1,5 @@
-//! Flights through the firmware in the emulated flight computer: every tick has the host's bits, and
-//! errors planted on either side are found.
+//! Flights through the firmware in the emulated flight computer: every tick has the host's bits, and errors
+//! planted on either side are found.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
 //! (`cargo xtask test` installs it).
@@ -30,8 +30,8 @@ fn effects(estimate: bool) -> Model {
     Model::parse(&effect).unwrap()
 }
 
-/// Effects of every family, on sensors and on the reference: four as states, eight as constants; between
-/// them every kind of regressor (products, time constants, sine, single and double integrals).
+/// Effects of every family, on sensors and on the reference: four as states, eight as constants. Together
+/// they have every kind of regressor (products, time constants, sine, single and double integrals).
 fn many_effects(propagate_climb_rate: bool) -> Model {
     let mut text = format!("gps.propagate_climb_rate = {propagate_climb_rate}\n");
     for id in ["baro.dynamic_pressure", "baro.lag", "gps.lever_arm", "imu.vibration"] {
@@ -65,12 +65,13 @@ fn every_tick_has_the_hosts_bits_with_four_effects_as_states_and_eight_as_consta
         }
         let report = must(fly(&flight(), &model, FlyOptions::default()));
         assert_eq!(report.ticks as usize, TICKS);
-        // Nothing was missing, and every effect had something to say: with coefficients of nothing the
-        // bits would be equal too.
+        // No signal was missing, and every effect contributed: with coefficients of zero the bits would be
+        // equal too.
         assert_eq!(host.counters().effects_without_signal, 0);
         assert_eq!(report.latch.as_ref(), host.latch());
         assert_eq!(report.latch.as_ref().unwrap().state.len(), 8);
-        // The dynamic pressure leaves 5 m at once, the lag at launch, and so does the vertical integral.
+        // The dynamic pressure leaves its envelope of 5 m at once, the lag at launch, and so does the
+        // vertical integral.
         assert_eq!(extrapolated & 0b11, 0b11, "{extrapolated:b}");
         assert_eq!(extrapolated >> 10 & 1, 1, "{extrapolated:b}");
         assert!(report.instructions_mean < 8_000.0, "{report:?}");
@@ -84,7 +85,7 @@ fn every_tick_has_the_hosts_bits_for_every_shape_of_the_filter() {
         assert_eq!(report.ticks as usize, TICKS);
         let latch = report.latch.as_ref().unwrap();
         assert_eq!(latch.time_us, 1_000_000 + LAUNCH as u64 * TICK_US);
-        // What the record brings must have been used, or equal bits would mean nothing.
+        // The record's readings must have been used, or equal bits would mean nothing.
         assert!(latch.sensors.iter().all(|sensor| sensor.readings > 800), "{latch:?}");
         let slave = latch.sensors[1];
         assert!((slave.bias_m + 72.9).abs() < 4.0 * slave.bias_variance_m2.sqrt(), "{latch:?}");
@@ -99,8 +100,8 @@ fn every_tick_has_the_hosts_bits_for_every_shape_of_the_filter() {
 #[test]
 fn the_same_flight_takes_the_same_instructions() {
     let fly = || must(fly(&flight(), &prompt(Model::default()), FlyOptions::default()));
-    // When a tick begins is no work of the flight computer: in one run of ten QEMU 7.2 takes the timer's
-    // interrupt some fifty instructions later, why is not known. The budget bounds it.
+    // The start time of a tick is not the flight computer's work: in one run of ten QEMU 7.2 takes the
+    // timer's interrupt some fifty instructions later, for an unknown reason. The budget bounds it.
     let but_for_starts = |report| FlyReport { start_jitter: 0, ..report };
     assert_eq!(but_for_starts(fly()), but_for_starts(fly()));
 }

@@ -1,5 +1,5 @@
-//! The emulated flight computer is reset, crashed and poisoned in flight, and goes on: with the host's bits,
-//! the same latch, every flag, and a report of what happened.
+//! The emulated flight computer is reset, crashed and poisoned in flight, and continues: with the host's
+//! bits, the same latch, every flag, and a report of what happened.
 //!
 //! Needs qemu-system-arm and the Rust target; without them the tests fail and say what to install
 //! (`cargo xtask test` installs it).
@@ -27,7 +27,7 @@ use mavlink_client::{decode, gaps, of, texts, whole};
 use restarts::{OUTAGE_US, at, bits, model, on_the_host, resumed, same_on_the_host};
 use ticks::{LAUNCH, TICK_US, TICKS, flight, must};
 
-/// What may be late before the watchdog strikes, microseconds.
+/// How late anything may be before the watchdog strikes, microseconds.
 const WATCHDOG_US: u64 = 250_000;
 
 fn record(inputs: &[TickInput], sensors: SensorSource) -> Vec<u8> {
@@ -59,14 +59,14 @@ fn struck(blows: &[(Blow, usize)]) -> RawFlight {
     flight
 }
 
-/// Holds what went over the line before and after the only restart to the host's bytes, and returns the texts
-/// from then on, with their severities, as pymavlink reads them.
+/// Compares the bytes on the line before and after the only restart with the host's, and returns the texts
+/// from then on, with their severities, as read by pymavlink.
 fn told(flown: &RawFlight) -> Vec<(i64, String)> {
     let (_, lines) = on_the_host(flown);
     let [before, after] = lines.as_slice() else { panic!("{} starts", lines.len()) };
     let sent = &flown.telemetry;
     let same = sent.iter().zip(before).take_while(|(one, other)| one == other).count();
-    // The reset may have come in a frame, and both sides of it begin as every frame does.
+    // The reset may have come within a frame, and both sides of it begin as every frame does.
     let split = (0..=same).rev().find(|split| after.starts_with(&sent[*split..])).unwrap();
     let waiting = [before.len() - split, after.len() - (sent.len() - split)];
     assert!(waiting.iter().all(|bytes| *bytes < 31 * MAX_FRAME), "{waiting:?}");
@@ -79,18 +79,18 @@ fn told(flown: &RawFlight) -> Vec<(i64, String)> {
         .collect()
 }
 
-/// What is told of a start, in the order of the flight; the time is that at which the clock goes on.
+/// The texts reported for a start, in the order of the flight; the time is that at which the clock continues.
 fn start_texts(report: &RestartReport, texts: &[(i64, &str)]) -> Vec<(i64, String)> {
     let at = seconds(report.resumed_us);
     texts.iter().map(|(severity, text)| (*severity, format!("t={at} {text}"))).collect()
 }
 
-/// A time as the texts have it: milliseconds, cut off.
+/// A time in the texts' form: milliseconds, truncated.
 fn seconds(time_us: u64) -> String {
     format!("{}.{:03}", time_us / 1_000_000, time_us / 1_000 % 1_000)
 }
 
-/// What the restart took; `-- --nocapture` shows it.
+/// Checks the cost of the restart; `-- --nocapture` shows it.
 fn assert_keeps_budget(flown: &RawFlight) {
     let instructions = flown.summary.as_ref().unwrap().start_cost.unwrap();
     let summary = flown.summary.as_ref().unwrap();
@@ -99,7 +99,7 @@ fn assert_keeps_budget(flown: &RawFlight) {
     checks.iter().for_each(|check| println!("{}", check.line()));
     let unexpected = budgets.unexpected(&checks);
     assert!(unexpected.is_empty(), "{unexpected:#?}");
-    // The stack alone, 28 KiB, takes more than that to paint: a counter that did not count.
+    // Painting the stack alone, 28 KiB, takes more than that: otherwise the counter did not count.
     assert!(instructions > 10_000, "{instructions}");
 }
 
@@ -111,15 +111,15 @@ fn a_reset_in_free_flight_resumes_with_the_same_latch_and_the_hosts_bits() {
     assert_eq!(report.mark.unwrap().time_us, at(LAUNCH + 700));
     assert_eq!(report.resumed_us, at(LAUNCH + 700) + OUTAGE_US);
     assert_eq!(first.output.time_us, report.resumed_us);
-    // Of the tick that was struck the result was lost; 19 more are before the clock that goes on.
+    // The result of the struck tick was lost; 19 more precede the time at which the clock continues.
     let missing = (OUTAGE_US / TICK_US) as usize;
     assert_eq!(flown.ticks.len(), TICKS - missing);
     assert_keeps_budget(&flown);
     assert!(flown.log.iter().any(|line| line.contains("restart 1 (resumed) after a reset without a record")));
 }
 
-/// A ground station that has seen the flight is told, byte for byte as the host would, that the flight
-/// computer restarted, after what, and of how long nothing is known.
+/// A ground station that has seen the flight receives, byte for byte as from the host, that the flight
+/// computer restarted, the cause, and the length of the gap.
 #[test]
 fn every_restart_is_told_with_its_cause_and_its_gap() {
     for (blow, cause) in [
@@ -149,16 +149,16 @@ fn with_chips_the_drivers_begin_again_and_the_mission_goes_on() {
     let (report, _) = resumed(&flown);
     assert_eq!(report.restarts, 1);
     let after = &flown.ticks[flown.restarts[0].0..];
-    // The driver of the barometer reads its chip's constants anew, a word a tick and all of them twice, and
+    // The barometer's driver reads its chip's constants again, one word a tick and all of them twice, and
     // then measures.
     let first_reading = after.iter().position(|tick| tick.input.baro.is_some()).unwrap();
     assert!(first_reading < 2 * 8 + 10, "{first_reading}");
 }
 
-/// Where the inertial altitude is the strapdown channel's, it goes on as well.
+/// Where the inertial altitude is the strapdown channel's, it continues as well.
 #[test]
 fn a_channel_goes_on_after_a_reset() {
-    // The channel needs 20 s to align: what is captive comes twice.
+    // The channel needs 20 s to align, so the captive part is repeated.
     const MORE: usize = 2_000;
     let longer = flight().into_iter().take(MORE).chain(flight());
     let inputs: Vec<TickInput> = longer
@@ -172,12 +172,13 @@ fn a_channel_goes_on_after_a_reset() {
     let has_altitude = |tick: &&TickRecord| tick.input.imu_slave_altitude_m.is_some();
     // Twenty a second.
     assert!(before[MORE + LAUNCH + 200..].iter().filter(has_altitude).count() >= 45);
-    // All but those of the outage and of what the unit takes to deliver again.
+    // All but those of the outage and of the time until the unit delivers again.
     let spoken = after.iter().filter(has_altitude).count();
     assert!(spoken >= after.len() / 10 - 20, "{spoken} of {}", after.len());
-    // A detector that began anew would wait for an edge that has been.
+    // A detector that started again would wait for an edge that is over.
     assert!(after.iter().all(|tick| tick.input.launch));
-    // This dive, which no accelerometer feels, has the channel found out before the restart; that stays.
+    // The channel is flagged before the restart because of this dive, which no accelerometer feels; the flag
+    // stays.
     assert!(after.iter().all(|tick| tick.output.sensors[1].trust == Trust::Untrustworthy));
 }
 
@@ -204,9 +205,9 @@ fn at_any_tick_of_the_launch_and_of_free_flight_what_was_latched_is_what_is_ther
     }
 }
 
-/// A recording whose launch nobody suspects before it is there, which a board has never: reset in the tick
-/// that latches, before the task has run that keeps the first snapshot, and in the one before it. Neither
-/// passes for a calibration; nor does what was held when the wire bounced, ten seconds ago.
+/// A recording whose launch is not suspected before it comes, which never happens on a board. It is reset in
+/// the tick that latches, before the task that keeps the first snapshot has run, and in the tick before.
+/// Neither yields a valid calibration; nor does what was held when the wire bounced, ten seconds ago.
 #[test]
 fn a_reset_at_a_launch_that_was_never_suspected_latches_nothing_that_would_be_trusted() {
     let refused = [Some(Refusal::OtherLaunch), Some(Refusal::Empty)];
@@ -222,10 +223,10 @@ fn a_reset_at_a_launch_that_was_never_suspected_latches_nothing_that_would_be_tr
     }
 }
 
-/// How long before its confirmation a launch is suspected, as the debounce has it.
+/// How long a launch is suspected before its confirmation: the debounce.
 const DEBOUNCE: usize = 4;
 
-/// The flight with its launch suspected from so many ticks before it is confirmed on, by the wire alone.
+/// The flight with its launch suspected from that many ticks before its confirmation on, by the wire alone.
 fn suspected(ticks: usize) -> Vec<TickInput> {
     let mut inputs = flight();
     for (k, input) in inputs.iter_mut().enumerate().skip(LAUNCH - ticks) {
@@ -234,7 +235,7 @@ fn suspected(ticks: usize) -> Vec<TickInput> {
     inputs
 }
 
-/// What is latched where nothing interrupts.
+/// The latch without an interruption.
 fn undisturbed(inputs: &[TickInput]) -> LatchRecord {
     let mut host = mission(&model()).unwrap();
     for input in inputs {
@@ -243,15 +244,15 @@ fn undisturbed(inputs: &[TickInput]) -> LatchRecord {
     host.latch().unwrap().clone()
 }
 
-/// In the very tick that latches nothing but the mark is written; what it latches was kept while the launch
-/// was suspected.
+/// In the tick that latches, only the mark is written; what it latches was kept while the launch was
+/// suspected.
 #[test]
 fn a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
     let inputs = suspected(DEBOUNCE);
     let flown = struck_on(&inputs, &[(Blow::Reset, LAUNCH)]);
     let (ticks, report) = flown.restarts[0];
     assert_eq!((report.start, report.mark.unwrap().time_us), (Start::Resumed, at(LAUNCH)), "{:?}", flown.log);
-    // The reset came before the latch was written down, and nothing is latched twice.
+    // The reset came before the latch was recorded, and nothing is latched twice.
     assert!(flown.latches.is_empty() && !flown.ticks[ticks].output.latched_now);
     let latch = undisturbed(&inputs);
     assert!(FailedChecks::from_bits(latch.failed_checks).contains(Check::LaunchConfirmed));
@@ -262,7 +263,7 @@ fn a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
 }
 
 /// From the tick after the first edge on; and in a suspicion that outlasts the restart. The statistics are
-/// judged in three ticks after the edge; what a reset leaves unjudged has failed.
+/// judged within three ticks after the edge; checks that a reset leaves unjudged count as failed.
 #[test]
 fn a_reset_while_a_launch_is_suspected_leaves_the_suspicion_and_what_it_holds() {
     let mut unjudged = FailedChecks::default();
@@ -305,8 +306,8 @@ fn a_reset_while_a_launch_is_suspected_leaves_the_suspicion_and_what_it_holds() 
     }
 }
 
-/// In the first edge's own tick nothing has been kept of it yet. What was held when the wire bounced is
-/// refused, and the UAV has left without a calibration, which is said.
+/// In the tick of the first edge nothing of it has been kept yet. What was held when the wire bounced is
+/// refused, and the UAV has left without a calibration, which is reported.
 #[test]
 fn a_reset_in_the_tick_of_the_first_edge_starts_the_calibration_again_and_trusts_nobody() {
     let flown = struck_on(&suspected(DEBOUNCE), &[(Blow::Reset, LAUNCH - DEBOUNCE)]);
@@ -324,8 +325,8 @@ fn a_reset_in_the_tick_of_the_first_edge_starts_the_calibration_again_and_trusts
     assert_eq!(told(&flown)[..3], start_texts(&report, &expected));
 }
 
-/// On a board the wire, the force and the messages decide: whatever it is that confirms, the tick that
-/// latches may be the last one.
+/// On a board the wire, the force and the messages decide: whatever confirms, the tick that latches may be
+/// the last one.
 #[test]
 fn with_chips_a_reset_in_the_tick_that_latches_resumes_with_what_it_latched() {
     let (model, options) = (model(), FlyOptions { sensors: SensorSource::Chips, ..FlyOptions::default() });
@@ -356,7 +357,7 @@ fn trusts_nobody(ticks: &[TickRecord]) -> bool {
     ticks.iter().all(unmonitored)
 }
 
-/// The mission's microseconds leave 32 bits 71.6 minutes after power-on; the board's own counter, of
+/// The mission's microseconds exceed 32 bits 71.6 minutes after power-on; the board's own counter, of
 /// nanoseconds, wraps every 4.3 s of any flight.
 #[test]
 fn a_clock_that_leaves_32_bits_changes_no_bit_but_the_times_and_a_restart_bears_it() {
@@ -392,8 +393,8 @@ fn host_outputs(inputs: impl Iterator<Item = TickInput>) -> Vec<Vec<u8>> {
 
 #[test]
 fn flags_raised_before_the_restart_are_there_after_it() {
-    // The barometer is off for two seconds (an error must last) and sound again a tick before the blow: only
-    // what is kept knows of it.
+    // The barometer is off for two seconds (an error must last) and right again a tick before the strike:
+    // only the retained flags record it.
     let mut inputs = flight();
     for input in &mut inputs[LAUNCH + 290..LAUNCH + 699] {
         input.baro = input.baro.map(|_| BaroReading::AltitudeM(9_000.0));
@@ -421,7 +422,7 @@ fn a_hard_fault_is_kept_with_the_programs_place_and_the_flight_goes_on() {
     let (report, _) = resumed(&flown);
     let crash = report.crash.unwrap();
     assert_eq!(report.cause, Cause::HardFault);
-    // Flash, and an undefined instruction (UFSR.UNDEFINSTR), escalated (HFSR.FORCED).
+    // In flash, and an undefined instruction (UFSR.UNDEFINSTR), escalated (HFSR.FORCED).
     assert!((0x0800_0000..0x0810_0000).contains(&crash.pc), "{crash:x?}");
     assert_eq!((crash.cfsr >> 16 & 1, crash.hfsr >> 30 & 1), (1, 1), "{crash:x?}");
     assert!(flown.log.iter().any(|line| line.contains("after a hard fault")), "{:?}", flown.log);
@@ -445,11 +446,11 @@ fn a_tick_that_hangs_and_a_task_that_hangs_are_ended_by_the_watchdog() {
         let outage_us = flown.ticks[ticks].output.time_us - at(LAUNCH + 700);
         if blow == Blow::HangTick {
             resumed(&flown);
-            // Fed at the last tick but one, so that two ticks' time is missing of it.
+            // The watchdog was last fed at the last tick but one, so two ticks less of it are left.
             let range = WATCHDOG_US - 2 * TICK_US + OUTAGE_US..=WATCHDOG_US + OUTAGE_US + TICK_US;
             assert!(range.contains(&outage_us), "{outage_us}");
         } else {
-            // The ticks went on until their results had no room.
+            // The ticks continued until there was no room for their results.
             assert!(!Late::from_bits(crash.late).contains(Supervised::Tick), "{crash:x?}");
         }
     }
@@ -487,7 +488,8 @@ fn garbage_another_models_copies_and_what_is_no_snapshot_are_refused_loudly() {
         assert_eq!(report.refused, [Some(refusal); 2]);
         assert!(flown.log.iter().any(|line| line.contains(word)), "{:?}", flown.log);
         assert!(flown.log.iter().any(|line| line.contains("the latched calibration is lost")));
-        // The cold start is launched at once: a latch of nothing, which says so, and nothing is trusted.
+        // The cold start is launched at once: a latch without data, which reports that, and nothing is
+        // trusted.
         same_on_the_host(&flown);
         let first = &flown.ticks[ticks].output;
         assert!(first.latched_now && first.failed_checks != 0);
@@ -521,12 +523,12 @@ fn three_blows_apart_are_survived_and_after_four_at_once_it_stands_by_and_goes_o
     assert_eq!(pauses, [0, 0, 0, 1_000_000]);
     let (ticks, report) = looping.restarts.last().unwrap();
     assert_eq!((report.start, report.restarts), (Start::Captive, 4));
-    // The microsecond until the fault was recorded may be a tick's, as the record has one every 5 ms.
+    // The microsecond until the fault was recorded may cost a tick, because the record has one every 5 ms.
     let late_us = looping.ticks[*ticks].output.time_us - (at(1_600) + OUTAGE_US + 1_000_000);
     assert!(late_us <= TICK_US, "{late_us}");
     assert!(looping.log.iter().any(|line| line.contains("standby of 1000000 us")), "{:?}", looping.log);
     let told = texts(&decode(&looping.telemetry));
-    // While it stands by, and when it has gone on.
+    // During standby, and when it has continued.
     for at_us in [report.resumed_us - report.pause_us, report.resumed_us] {
         let standby = format!("t={} standby 1s: a hard fault", seconds(at_us));
         assert!(told.contains(&standby), "{told:?}");

@@ -1,6 +1,6 @@
-//! The telemetry of the emulated flight computer, taken from QEMU's USART1 and read by pymavlink: it is the
-//! host's, byte for byte, and every field of every message is what the flight had and the host's estimator
-//! said.
+//! The telemetry of the emulated flight computer, taken from QEMU's USART1 and read by pymavlink: it equals
+//! the host's, byte for byte, and every field of every message has the value of the flight and of the host's
+//! estimator.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod mavlink_client;
@@ -21,7 +21,7 @@ use mavlink_client::{decode, f32_of, gaps, of, texts, whole};
 use telemetry_flight::{Tick, fly, tick_of, ticks};
 use ticks::TICKS;
 
-/// MAVLink's bits of the sensors.
+/// MAVLink's bits for the sensors.
 const INERTIAL_UNIT: i64 = 1 | 2;
 const ABSOLUTE_PRESSURE: i64 = 8;
 const GPS: i64 = 32;
@@ -30,7 +30,7 @@ const AHRS: i64 = 0x20_0000;
 #[test]
 fn what_leaves_the_usart_is_the_hosts_telemetry_and_pymavlink_reads_every_field_of_it() {
     let (report, Downlinked { target, host }) = fly(None);
-    // At the flight's end a few frames still waited.
+    // At the flight's end a few frames were still waiting.
     assert!(host.starts_with(&target), "{} of {} bytes", target.len(), host.len());
     assert!(host.len() - target.len() < 31 * 75, "{} of {} bytes", target.len(), host.len());
     assert_eq!((report.underruns, report.stalls, report.ticks as usize), (0, 0, TICKS));
@@ -45,7 +45,8 @@ fn what_leaves_the_usart_is_the_hosts_telemetry_and_pymavlink_reads_every_field_
         assert_eq!((whole(message, "system"), whole(message, "component")), (1, 191), "{message}");
         let kind = message["mavpackettype"].as_str().unwrap();
         match kind {
-            // Every tick has one, before what is sent in turn: it dates what has no time of its own.
+            // Every tick has one, before the messages sent in turn: it dates those without a time of their
+            // own.
             "HIGHRES_IMU" => {
                 now = tick_of(whole(message, "time_usec"));
                 flight.check_imu(message, counts.get(kind).copied().unwrap_or_default());
@@ -77,7 +78,8 @@ fn what_leaves_the_usart_is_the_hosts_telemetry_and_pymavlink_reads_every_field_
     );
 }
 
-/// Each message and each name as often as docs/telemetry.md says, in 30 s; the last few may not have gone.
+/// The rate of each message and each name is as in docs/telemetry.md, over 30 s; the last few may not have
+/// been sent.
 fn check_rates(counts: &BTreeMap<String, usize>, flight: &Flight) {
     let sent_at = |pick: fn(&TickInput) -> bool| flight.ticks.iter().filter(|tick| pick(&tick.input)).count();
     let fixes = sent_at(|input| input.gps.is_some());
@@ -103,7 +105,7 @@ fn check_rates(counts: &BTreeMap<String, usize>, flight: &Flight) {
         assert!((least..=most).contains(&count), "{name}: {count}");
     }
     let of_sensors = |prefix: &str| ["master", "slave", "baro"].map(|sensor| format!("{prefix}_{sensor}"));
-    // 600 in turn of nine, and 300 of two or three dozen.
+    // 600 shared by nine in turn, and 300 by two or three dozen.
     for name in ["e", "tr"].iter().flat_map(|prefix| of_sensors(prefix)) {
         assert!(counts.get(&name).is_some_and(|count| *count > 50), "{name}: {counts:?}");
     }
@@ -118,13 +120,13 @@ fn check_rates(counts: &BTreeMap<String, usize>, flight: &Flight) {
     }
 }
 
-/// What the messages are held against.
+/// The flight that the messages are compared with.
 struct Flight {
     ticks: Vec<Tick>,
     latch: LatchRecord,
 }
 
-/// Whether a number is that one, or both are none.
+/// Whether the numbers are equal, or both invalid.
 fn same(sent: f32, expected: f32) -> bool {
     sent == expected || (sent.is_nan() && expected.is_nan())
 }
@@ -142,7 +144,7 @@ fn whole_fields(message: &Value, fields: &[(&str, i64)]) {
 }
 
 impl Flight {
-    /// The tick of a time in milliseconds.
+    /// The tick at a time in milliseconds.
     fn at_ms(&self, message: &Value) -> &Tick {
         &self.ticks[tick_of(whole(message, "time_boot_ms") * 1_000)]
     }
@@ -174,7 +176,7 @@ impl Flight {
         let input = self.ticks.iter().map(|tick| &tick.input).filter(|input| input.gps.is_some()).nth(count);
         let (input, fix) = (input.unwrap(), input.unwrap().gps.unwrap());
         assert_eq!(whole(message, "time_usec") as u64, input.time_us);
-        // An f32 near two million millimetres is to an eighth.
+        // Near two million millimetres, an f32 has a resolution of an eighth.
         assert!((whole(message, "alt") as f64 - f64::from(fix.altitude_m) * 1e3).abs() <= 0.5 + 0.125);
         let (north, east) = (fix.velocity_north_mps.unwrap(), fix.velocity_east_mps.unwrap());
         assert!((whole(message, "vel") as f32 - north.hypot(east) * 100.0).abs() <= 0.51);
@@ -268,7 +270,7 @@ impl Flight {
         whole_fields(message, &[("battery_remaining", -1)]);
     }
 
-    /// A value under a name; its time is the sample's.
+    /// A named value; its time is the sample's.
     fn check_value(&self, message: &Value) {
         let Tick { input, output, counters } = self.at_ms(message);
         let name = message["name"].as_str().unwrap();
@@ -313,7 +315,7 @@ impl Flight {
         assert!(same(f32_of(message, "value"), expected), "{message}: {expected}");
     }
 
-    /// Everything that is said once, in order, with its severity, its time and its cause.
+    /// All texts that are sent once, in order, with severity, time and cause.
     fn check_texts(&self, messages: &[Value]) {
         let mut expected = vec![(6, "c_0 is baro.dynamic_pressure".to_owned())];
         let mut trusts = [Trust::Calibrating; 3];
@@ -372,7 +374,7 @@ impl Flight {
         let severities = of(messages, "STATUSTEXT").into_iter().map(|message| whole(message, "severity"));
         let said: Vec<(i64, String)> = severities.zip(texts(messages)).collect();
         assert_eq!(said, expected);
-        // Of what the flight was made for, none may be missing.
+        // None of the texts that the flight was made for may be missing.
         for word in [
             "suspected",
             "not confirmed",

@@ -1,5 +1,5 @@
-//! A telemetry line that is too slow loses frames, counts them and says so; and however full the line is, no
-//! tick is missed, none has other bits, and none begins or ends later for it.
+//! A telemetry line that is too slow loses frames, counts them and reports it. However full the line is, no
+//! tick is missed, none has other bits, and none begins or ends later because of it.
 #![allow(clippy::unwrap_used)]
 
 mod mavlink_client;
@@ -24,19 +24,19 @@ fn telemetry_instructions(report: &FlyReport) -> (f64, u32) {
 #[test]
 fn a_slow_line_loses_frames_tells_how_many_and_costs_no_tick() {
     let (free, _) = fly(None);
-    // It comes back only if every tick had the host's bits.
+    // This returns only if every tick had the host's bits.
     let (slow, Downlinked { target, .. }) = fly(Some(PlantedError::SlowLine));
     assert_eq!((slow.ticks as usize, slow.underruns, slow.stalls), (TICKS, 0, 0));
     let messages = decode(&target);
     assert_eq!(of(&messages, "BAD_DATA"), Vec::<&Value>::new());
-    // 30 s of a tenth of 92160 bytes a second; less than a frame waits for the next look at the line.
+    // 30 s at a tenth of 92160 bytes a second; less than a frame waits for the next look at the line.
     let share = target.len() as f64 / (30.0 * 9_216.0);
     assert!((0.98..=1.01).contains(&share), "{share}");
     let missing = gaps(&messages);
     assert!(missing > 1_000, "{missing}");
     let statuses = of(&messages, "SYS_STATUS");
     assert!(statuses.len() >= 29, "{}", statuses.len());
-    // A status counts what was dropped before it was made: the gaps before it, no more and no less.
+    // A status counts exactly the frames that were dropped before it: the gaps before it.
     for (position, status) in messages.iter().enumerate() {
         if status["mavpackettype"] == "SYS_STATUS" {
             assert_eq!(whole(status, "errors_comm"), gaps(&messages[..=position]), "{status}");
@@ -61,7 +61,7 @@ fn a_slow_line_loses_frames_tells_how_many_and_costs_no_tick() {
     assert!(free_worst <= budget, "{free_worst} of {budget}");
 }
 
-/// Every tick's record, of the flight on a line with that load.
+/// The records of all ticks of the flight on a line with that load.
 fn ticks_on(line: PlantedError) -> Vec<TickRecord> {
     let inputs = inputs();
     let mut encoder = Encoder::new();
@@ -95,7 +95,7 @@ fn a_line_that_is_never_idle_moves_no_tick() {
     );
     let jitters = [silent_starts.jitter(), full_starts.jitter()];
     println!("silent line: {} instructions; line never idle: {} instructions", jitters[0], jitters[1]);
-    // An instruction is a nanosecond, so that the emulated line is 921600 baud to the flight, and the load is
+    // An instruction is a nanosecond, so for the flight the emulated line has 921600 baud, and the load is
     // full.
     for starts in [&silent_starts, &full_starts] {
         assert!(starts.period().abs_diff(5_000_000) <= 1, "{}", starts.period());
@@ -110,7 +110,7 @@ fn a_line_that_is_never_idle_moves_no_tick() {
         differing += u32::from(silent.cost != full.cost);
         most = most.max(silent.cost.abs_diff(full.cost).into());
     }
-    // Two images: the compiler may lay them out differently.
+    // The images differ: the compiler may lay them out differently.
     assert!(most <= budget, "{most}");
     println!("what a tick takes differs in {differing} of {TICKS} ticks, by {most} instructions at most");
 }

@@ -1,5 +1,5 @@
-//! What the diagnosis says of real IGC logs as they are, where they lie; see SOURCES.md beside them. Each
-//! test says so when its log is not there. With known effects added to them: `real_injections.rs`.
+//! The diagnosis of real IGC logs as they are, if present; see SOURCES.md beside them. Each test reports a
+//! missing log. With known effects added to them: `real_injections.rs`.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use host_tests::real_logs::{
@@ -28,7 +28,7 @@ fn candidate<'a>(diagnosis: &'a Diagnosis, effect: &str) -> &'a CandidateFacts {
     candidates.find(|candidate| candidate.effect == effect).unwrap()
 }
 
-/// Identified, or in a set that can't be told apart.
+/// Identified, or in a set that can't be distinguished.
 fn holds(diagnosis: &Diagnosis, effect: &str) -> bool {
     diagnosis.missing().chain(diagnosis.suspects()).any(|said| said == effect)
 }
@@ -39,23 +39,23 @@ fn a_sailplanes_height_scale_error_is_found_and_holds() {
     let diagnosis = diagnosis(&flight);
     assert!(holds(&diagnosis, "baro.scale"));
     let scale = candidate(&diagnosis, "baro.scale");
-    // A regression on the first half says -4.3 %; the air is not the same everywhere in 6.8 hours, which is
-    // some per cent of a per cent.
+    // A regression on the first half gives -4.3 %; the air differs within 6.8 hours, by some per cent of a
+    // per cent.
     let apart = (scale.coefficient + 0.043).abs();
     assert!(apart < scale.sigma.hypot(0.01), "{} +- {}", scale.coefficient, scale.sigma);
     let (before, after) = (scale.rms_before_m.unwrap(), scale.rms_after_m.unwrap());
     assert!(after < 0.4 * before, "held out: {before} m, then {after} m");
 }
 
-/// Forty minutes of a flight that begins in the air. What goes with the climb cannot be told apart. An error
-/// of the static port is named, and each half of the log has the same, within two sigma.
+/// Forty minutes of a flight that begins in the air. Effects of the climb rate cannot be distinguished. A
+/// static-port error is named, and each half of the log has the same one, within two sigma.
 #[test]
 fn a_short_log_has_a_static_port_error_that_its_halves_agree_on() {
     let Some(flight) = import(SHORT) else { return };
     let diagnosed = diagnosis(&flight);
     assert_ne!(diagnosed.verdict, Verdict::Identified);
     assert_eq!(diagnosed.missing().collect::<Vec<_>>(), ["baro.dynamic_pressure"]);
-    // What is recorded after the landing belongs to neither half.
+    // Rows after the landing belong to neither half.
     let end = flight.time_s.partition_point(|time_s| *time_s < 2370.0);
     let [one, other] = [0..end / 2, end / 2..end].map(|rows| {
         let of = diagnosis(&part(&flight, rows));
@@ -65,7 +65,7 @@ fn a_short_log_has_a_static_port_error_that_its_halves_agree_on() {
     assert!((one.0 - other.0).abs() < 2.0 * one.1.hypot(other.1), "{one:?}, {other:?}");
 }
 
-/// With one sensor a late barometer and a receiver that is early are the same.
+/// With only one sensor, a late barometer and an early receiver are indistinguishable.
 #[test]
 fn lags_of_one_sensor_are_not_pinned_on_it() {
     for (name, range_s) in [(NEW_ZEALAND, 0.5..2.0), (LANDING, 0.4..1.0)] {

@@ -1,4 +1,4 @@
-//! Real IGC logs, where they lie; see SOURCES.md beside them. Each test says so when its log is not there.
+//! Real IGC logs, if present; see SOURCES.md beside them. Each test reports a missing log.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ fn replay(flight: &Flight, window: Option<CalibrationWindow>) -> (CalibrationSou
     (*replay.source(), replay.run(&mut |_, _| {}).unwrap())
 }
 
-/// Every row reached the estimator, and it took every reading.
+/// Every row reached the estimator, and every reading was accepted.
 fn all_was_taken(flight: &Flight, summary: &ReplaySummary) {
     let ticks = usize::try_from(summary.counters.ticks + summary.counters.out_of_order).unwrap();
     assert_eq!(ticks + summary.inputs.skipped_rows + summary.inputs.rows_after, flight.rows());
@@ -65,7 +65,7 @@ fn new_zealand_units_are_told_from_the_data() {
     let temperatures = samples(&flight, Channel::OatC);
     assert!(temperatures.iter().all(|value| (7.0..=19.0).contains(value)));
     // It starts on the runway half a minute before the take-off, and never flies level: the calmest stretch
-    // is taken, and said.
+    // is used, and reported.
     let (source, _) = replay(&flight, None);
     assert!(matches!(source, CalibrationSource::Calmest(_)), "{source}");
     assert!(source.to_string().contains("none is quiet"), "{source}");
@@ -154,7 +154,7 @@ fn a_repeated_second_is_counted() {
 fn a_short_log_is_read() {
     let Some((flight, _)) = import("goigc_short1.igc") else { return };
     assert_eq!(flight.rows(), 640);
-    // SIU counts satellites: single digits to a dozen.
+    // SIU counts satellites: from single digits up to a dozen.
     assert!(samples(&flight, Channel::GpsSats).iter().all(|count| (0.0..=12.0).contains(count)));
     all_was_taken(&flight, &replay(&flight, None).1);
 }

@@ -1,5 +1,6 @@
 //! Known effects, three times the residual's noise, added one at a time to real logs with all their own
-//! errors: is the effect named, is anything else, and is the coefficient's growth what was added?
+//! errors. Checks whether the effect is named, whether any other is, and whether the coefficient grows by
+//! what was added.
 //!
 //! `cargo test --release -p host-tests --test real_injections -- --nocapture` prints a line for each.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
@@ -13,11 +14,11 @@ use kf_core::effect::EffectId;
 use pylon::diagnose::Diagnosis;
 use pylon::flight::{Channel, Flight};
 
-/// Sizes over the noise.
+/// Size over the noise.
 const SIZE: f64 = 3.0;
 
-/// What is added, with a coefficient of one. What dies away does so over a sixth of the log, so that it has
-/// not done so before the log has its first quiet stretch, but no slower than the catalogue's slowest.
+/// The injections, with a coefficient of one. Decaying effects do so over a sixth of the log, so that they
+/// are still present in the log's first quiet stretch, but no slower than the catalogue's slowest.
 fn units(flight: &Flight) -> [Injection; 7] {
     let duration_s =
         flight.time_s.last().zip(flight.time_s.first()).map_or(0.0, |(last, first)| last - first);
@@ -46,7 +47,7 @@ fn fitted(diagnosis: &Diagnosis, effect: &str) -> Option<(f64, f64)> {
     candidates.find(|candidate| candidate.effect == effect).map(|c| (c.coefficient, c.sigma))
 }
 
-/// Spread of the difference that an injection makes between barometer and reference, metres.
+/// Spread of an injection's change of the difference between barometer and reference, metres.
 fn spread_m(before: &Flight, after: &Flight) -> f64 {
     let mut differences = Vec::new();
     for channel in [Channel::BaroAltM, Channel::GpsAltM] {
@@ -55,7 +56,7 @@ fn spread_m(before: &Flight, after: &Flight) -> f64 {
             differences.push((f64::from(new.get(row).unwrap()) - f64::from(value), channel));
         }
     }
-    // One of the two channels did not change.
+    // One of the two channels has not changed.
     let moved = differences.iter().find(|(metres, _)| *metres != 0.0).map(|(_, channel)| *channel).unwrap();
     let values: Vec<f64> =
         differences.iter().filter(|(_, channel)| *channel == moved).map(|(metres, _)| *metres).collect();
@@ -82,7 +83,7 @@ fn effects_added_to_real_logs_are_named_and_nothing_else_is() {
             let effect = unit.effect();
             let [least, most] = EffectId::from_name(effect).unwrap().plausible().map(f64::from);
             let size = SIZE * noise_m / spread_m(&flight, &one);
-            // In the direction of what the log has of it already: the two must not cancel. But no lag is
+            // With the sign of what the log already has of it: the two must not cancel. But no lag is
             // negative.
             let size = fitted(&before, effect).map_or(size, |(own, _)| size.copysign(own));
             let allowed = [size, -size].into_iter().find(|size| (least..=most).contains(size));

@@ -1,5 +1,5 @@
-//! A flight computer's results as a recorder has them, imported as a flight: a mission of the same model
-//! makes of it what the flight computer made of it, to the bit.
+//! A flight computer's results from a recorder, imported as a flight: from it, a mission of the same model
+//! reproduces the flight computer's results to the bit.
 //!
 //! Needs qemu-system-arm and the Rust target, as every emulated flight.
 #![allow(clippy::unwrap_used, clippy::panic)]
@@ -22,7 +22,7 @@ use pylon::replay::Replay;
 use restarts::{at, bits, model};
 use ticks::{TICKS, flight, must};
 
-/// What the flight computer said, tick by tick.
+/// The flight computer's results, tick by tick.
 fn said(record: &[u8]) -> Vec<TickOutput> {
     let mut decoder = Decoder::new();
     let mut said = Vec::new();
@@ -49,7 +49,7 @@ fn keys(flight: &Flight) -> BTreeMap<&str, &str> {
     flight.header.other.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect()
 }
 
-/// Seconds of a key as flown.
+/// Value of a key of the recorded flight, seconds.
 fn seconds(keys: &BTreeMap<&str, &str>, key: &str) -> Option<f64> {
     keys.get(key).map(|text| text.parse().unwrap())
 }
@@ -66,7 +66,7 @@ fn a_recorded_flight_is_compared_as_it_was_flown_to_the_bit() {
         let (flight, notes) = imported(&flown);
         assert_eq!(flight.rows(), TICKS);
         assert!(notes.iter().all(|note| note.contains("flown_")), "{notes:?}");
-        // The wire bounced under the pylon, and on chips the launch took a while to be decided.
+        // The wire bounced under the pylon, and on chips the launch took some time to be decided.
         assert!(flight.channel(Channel::LaunchDoubt).is_some());
         let model = model();
         let replay = Replay::new(&flight, &model, None).unwrap();
@@ -78,7 +78,7 @@ fn a_recorded_flight_is_compared_as_it_was_flown_to_the_bit() {
         assert_eq!(ticks, TICKS);
         assert_eq!(summary.unwrap().latch.as_ref(), Some(&latch));
 
-        // And what the header says of it is what `compare` says.
+        // The header reports the same as `compare`.
         let (comparison, _) = compare(&replay, &Options::default(), &mut |_| ()).unwrap();
         let keys = keys(&flight);
         assert_eq!(keys["flown_quality"], comparison.calibration.quality.unwrap());
@@ -86,7 +86,7 @@ fn a_recorded_flight_is_compared_as_it_was_flown_to_the_bit() {
         assert_eq!(seconds(&keys, "flown_launch_decided_s"), Some(launch_s));
         for name in ["baro", "imu_slave"] {
             let sensor = &comparison.sensors[name];
-            // The shortest text of an `f32`, against the `f64` of the same.
+            // The shortest text of an `f32`, compared with the same value as `f64`.
             let bias_m = keys[format!("flown_{name}_bias_m").as_str()].parse::<f32>().unwrap();
             assert_eq!(Some(f64::from(bias_m)), sensor.bias_m, "{name}");
             for (flag, after_s) in
@@ -97,7 +97,7 @@ fn a_recorded_flight_is_compared_as_it_was_flown_to_the_bit() {
                 assert_eq!(flown_s.map(|flown_s| (flown_s * 1e6).round()), after_s, "{name} {flag}");
             }
         }
-        // The dive, and the wander that the barometer's static port makes of it: something was flagged.
+        // The dive, and the wander due to the barometer's static port, raised a flag.
         assert!(keys.keys().any(|key| key.ends_with("_doubtful_s")), "{keys:?}");
     }
 }
@@ -122,11 +122,11 @@ fn a_flight_computer_that_was_reset_in_free_flight_leaves_one_flight() {
     assert_eq!(keys["record_restarts"], "1");
     let (model, sensor) = (model(), 2);
     let summary = Replay::new(&flight, &model, None).unwrap().run(&mut |_, _| ()).unwrap();
-    // It was latched before the reset, so the gap changes nothing of it.
+    // It was latched before the reset, so the gap does not change it.
     assert_eq!(Some(&flown.latches[0]), summary.latch.as_ref());
     assert_eq!(keys["flown_baro_bias_m"], flown.latches[0].sensors[sensor].bias_m.to_string());
 
-    // And what was given to it to fly is a flight as well.
+    // The inputs that it was given are a flight as well.
     let (inputs, notes) = imported(&record);
     assert_eq!((inputs.rows(), notes.len()), (TICKS, 0), "{notes:?}");
 }

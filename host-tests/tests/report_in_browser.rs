@@ -1,6 +1,6 @@
-//! The page of `pylon report` in a browser: it draws, zooms and answers the mouse and the keyboard, light and
-//! dark, and its scripts complain of nothing. Pictures of it are left in `target/report-in-browser/`, to be
-//! looked at.
+//! The page of `pylon report` in a browser: it draws, zooms and responds to the mouse and the keyboard, light
+//! and dark, and its scripts report no errors. Pictures of it are left in `target/report-in-browser/` for
+//! inspection.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod browser;
@@ -20,11 +20,11 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 const SCENARIO: &str = include_str!("../../flights/quickstart.toml");
-/// The diagram that is played with, and one of its group.
+/// The diagram that is operated, and another one of its group.
 const FIGURE: &str = "document.querySelector('[data-chart=\"flight-1-fig4-baro\"]')";
 const SIBLING: &str = "document.querySelector('[data-chart=\"flight-1-fig4-imu_slave\"]')";
 
-/// Two revisions, of which the first learned too little of the effect that the scenario hides.
+/// Two revisions; the first learned too little of the effect that the scenario hides.
 const IMPROVED: &str = r#"
 [[effect]]
 id = "baro.dynamic_pressure"
@@ -39,7 +39,7 @@ effect = "baro.dynamic_pressure"
 coefficient = 0.06
 replaced_coefficient = 0.02
 "#;
-/// What a legend has of the moving average, once there is a value.
+/// A legend's text for the moving average, once there is a value.
 const AVERAGE: &str = "/moving average-?[0-9]/";
 const LADDER: &str = "document.querySelector('[data-chart=\"ladder-1\"]')";
 
@@ -55,7 +55,7 @@ fn report() -> (TempDir, PathBuf) {
     let flights = [FlightReport::new(0, &replay, comparison, &traces.unwrap())];
     let named = NamedReplay::new("quickstart.csv".into(), replay);
     let diagnosis = diagnose(&[named], &[], &mut || ());
-    // What `pylon add` would have made of it: the effect that the scenario hides.
+    // The model as `pylon add` would have made it: with the effect that the scenario hides.
     let improved = Model::parse(IMPROVED).unwrap();
     let mut ladder = ladder(&improved, &[NamedFlight::new("quickstart.csv", &flight)], &mut |_| ()).unwrap();
     ladder.model = "improved.toml".into();
@@ -74,13 +74,13 @@ fn report() -> (TempDir, PathBuf) {
     (folder, file)
 }
 
-/// Brings a diagram into the window and waits until it is drawn.
+/// Scrolls a diagram into the window and waits until it is drawn.
 fn show(sheet: &Sheet, place: &str) {
     sheet.run(&format!("{place}.scrollIntoView({{ block: 'center', behavior: 'instant' }})"));
     sheet.wait(&format!("{place}.plot && {place}.plot.status === 1"));
 }
 
-/// Where a share of a diagram's width is in the window.
+/// The point in the window at a share of a diagram's width.
 fn point(sheet: &Sheet, place: &str, share: f64) -> (f64, f64) {
     let rect = sheet.value(&format!("{place}.plot.over.getBoundingClientRect()"));
     let side = |name: &str| rect[name].as_f64().unwrap();
@@ -96,7 +96,7 @@ fn read_out(sheet: &Sheet, place: &str) -> String {
     text.as_str().unwrap().to_owned()
 }
 
-/// How many pixels of a diagram's inside are not the ground, and how many colours there are.
+/// Number of pixels inside a diagram that are not background, and number of colours.
 fn drawn(sheet: &Sheet, place: &str) -> (u64, u64) {
     let counted = sheet.value(&format!(
         "(() => {{
@@ -163,7 +163,8 @@ fn every_diagram_is_drawn_and_nothing_complains() {
         sheet.wait(&format!("{FIGURE}.plot.width === {FIGURE}.clientWidth"));
     }
     assert_eq!(*sheet.complaints.lock().unwrap(), Vec::<String>::new());
-    // What its security policy forbids it would have complained of; it does not try either.
+    // The page's scripts would have reported what its security policy forbids; here, the page does not even
+    // try.
     assert_eq!(sheet.value("performance.getEntriesByType('resource').map((entry) => entry.name)"), json!([]));
 }
 
@@ -174,14 +175,14 @@ fn the_ladder_shows_every_revision_and_its_flags() {
     show(&sheet, LADDER);
     let (inked, colours) = drawn(&sheet, LADDER);
     assert!(inked > 1_500 && colours > 3, "{inked} pixels in {colours} colours");
-    // Three named places, and the barometer's error falls from each to the next.
+    // Three named places, and the barometer's error decreases from each to the next.
     let names = sheet.value(&format!("{LADDER}.plot.axes[0]._values"));
     assert_eq!(names, json!(["at first", "1: baro.dynamic_pressure", "2: baro.dynamic_pressure"]));
     let label = |at: usize| format!("{LADDER}.plot.series[{at}].label");
     let baro = (1..3).find(|at| sheet.value(&label(*at)) == json!("baro")).unwrap();
     let rms_m = |revision: usize| sheet.number(&format!("{LADDER}.plot.data[{baro}][{}]", revision + 1));
     assert!(rms_m(0) > rms_m(1) && rms_m(1) > rms_m(2), "{} {} {}", rms_m(0), rms_m(1), rms_m(2));
-    // The table says the same, the bars to scale, and a strip is as long as the flight.
+    // The table agrees, with its bars to scale, and a strip is as long as the flight.
     let row = |revision: usize| {
         let rows = "[...document.querySelectorAll('.revisions tbody tr')]";
         format!("{rows}.filter((row) => row.cells[1].textContent === 'baro')[{revision}]")
@@ -219,7 +220,7 @@ fn the_mouse_reads_values_and_zooms_a_group() {
     show(&sheet, FIGURE);
     let (first, last) = span(&sheet, FIGURE);
     assert!(first >= 0.0 && last > 100.0, "{first} {last}");
-    // Where nothing is read off there is no value, and no dash for one.
+    // Where nothing is read off there is no value, and no dash in its place.
     assert!(!read_out(&sheet, FIGURE).contains('–'), "{}", read_out(&sheet, FIGURE));
     assert!(
         !sheet
@@ -228,7 +229,7 @@ fn the_mouse_reads_values_and_zooms_a_group() {
             .unwrap()
     );
 
-    // Hovering: the values there, in the diagrams of the group too, and a line through them.
+    // Hovering shows the values there, also in the diagrams of the group, and a line through them.
     sheet.mouse(Mouse::Move, point(&sheet, FIGURE, 0.25), 0);
     sheet.wait(&format!("{AVERAGE}.test({FIGURE}.querySelector('.u-legend').textContent)"));
     sheet.wait(&format!("{AVERAGE}.test({SIBLING}.querySelector('.u-legend').textContent)"));
@@ -253,7 +254,7 @@ fn the_mouse_reads_values_and_zooms_a_group() {
     let (inked, colours) = drawn(&sheet, FIGURE);
     assert!(inked > 1_500 && colours > 3, "{inked} {colours}");
 
-    // A double click shows all again.
+    // A double click shows everything again.
     for clicks in [1, 2] {
         sheet.mouse(Mouse::Press, point(&sheet, FIGURE, 0.5), clicks);
         sheet.mouse(Mouse::Release, point(&sheet, FIGURE, 0.5), clicks);

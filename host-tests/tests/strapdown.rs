@@ -1,5 +1,5 @@
-//! The strapdown vertical channel on simulated flights: against the truth, against a double-precision
-//! strapdown with the whole attitude, and its errors against theory.
+//! The strapdown vertical channel on simulated flights: compared with the truth and with a double-precision
+//! strapdown of the whole attitude, and its errors with theory.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::path::Path;
@@ -20,7 +20,7 @@ fn flights(seeds: std::ops::Range<u64>) -> impl Iterator<Item = Vec<TruthSample>
     seeds.map(move |seed| simulate(&scenario, seed).unwrap().1.trajectory)
 }
 
-/// What is wrong with an inertial unit, from launch on or always.
+/// Errors of an inertial unit, from launch on or always.
 #[derive(Clone, Copy, Default)]
 struct Errors {
     accel: Vector,
@@ -47,17 +47,17 @@ fn reading(sample: &TruthSample, errors: &Errors) -> (Vector, Vector) {
     (force, rate)
 }
 
-/// A flown channel.
+/// The channel after a flight.
 struct Flown {
-    /// As it was after the first free row: before that the simulator changes aircraft, and the force jumps
+    /// Its state after the first free row: before that the simulator changes aircraft, and the force jumps
     /// within a row.
     at_launch: VerticalChannel,
-    /// Its altitude from that row on.
+    /// Its altitudes from that row on.
     altitudes: Vec<f64>,
 }
 
-/// Readings in single precision, until launch a reference without error ten times a second, of which every
-/// fifth has a velocity if `velocities` are given: their noise (m/s, one sigma) and its seed.
+/// Readings in single precision, and until launch a reference without error ten times a second. Every fifth
+/// fix has a velocity if `velocities` are given: their noise (m/s, one sigma) and its seed.
 fn fly(flight: &[TruthSample], errors: &Errors, config: Config, velocities: Option<(f64, u64)>) -> Flown {
     let mut noise = velocities.map(|(sigma, seed)| {
         (Normal::new(0.0, sigma).unwrap(), rand_chacha::ChaCha8Rng::seed_from_u64(seed))
@@ -65,7 +65,7 @@ fn fly(flight: &[TruthSample], errors: &Errors, config: Config, velocities: Opti
     let launch = flight.iter().position(|sample| !sample.captive).unwrap();
     let mut channel = VerticalChannel::new(config);
     for (row, sample) in flight.iter().take(launch).enumerate() {
-        // A gust at the very first row may hide the vertical; the next one shows it.
+        // A gust at the very first row may hide the vertical; the next row shows it.
         let taken = channel.inertial(time_us(sample), &imu(sample, errors));
         assert!(matches!(taken, Ok(()) | Err(StrapdownError::NoVertical)), "{taken:?}");
         if row % 20 == 19 {
@@ -119,7 +119,7 @@ fn product([aw, ax, ay, az]: [f64; 4], [bw, bx, by, bz]: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-/// A strapdown with the whole attitude as a quaternion, in double precision, from the truth at launch.
+/// A double-precision strapdown with the whole attitude as a quaternion, starting from the truth at launch.
 struct Reference {
     attitude: [f64; 4],
     altitude: f64,
@@ -135,7 +135,7 @@ impl Reference {
             let [(from, force, rate), (to, next_force, next_rate)] = pair else { unreachable!() };
             let step = to - from;
             let before = upward(self.attitude, *force);
-            // The rotation vector of two rates that change linearly; its quaternion by sine and cosine.
+            // The rotation vector of two rates that vary linearly; its quaternion by sine and cosine.
             let cross = [
                 rate[1] * next_rate[2] - rate[2] * next_rate[1],
                 rate[2] * next_rate[0] - rate[0] * next_rate[2],
@@ -156,7 +156,7 @@ impl Reference {
     }
 }
 
-/// The same alignment, the same readings: what is left is the arithmetic's.
+/// The same alignment and the same readings: only the arithmetic differs.
 #[test]
 fn single_precision_follows_double_precision() {
     for flight in flights(0..3) {
@@ -174,7 +174,7 @@ fn single_precision_follows_double_precision() {
                 (sample.time_s, force, rate)
             })
             .collect();
-        // Roll and pitch of that down, heading zero: it must not matter.
+        // Roll and pitch of that down vector, with heading zero: the heading must not matter.
         let (roll, pitch) = (down[1].atan2(down[2]), (-down[0]).asin());
         let (sr, cr) = (0.5 * roll).sin_cos();
         let (sp, cp) = (0.5 * pitch).sin_cos();
@@ -186,14 +186,14 @@ fn single_precision_follows_double_precision() {
         let wanted = reference.fly(&rows);
         let worst = flown.altitudes.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("{} s of free flight: single precision is {worst:.5} m off", rows.len() / 200);
-        // The readings are the same to the last bit; what differs is the rounding of 25,000 rotations, 6e-8
-        // each and compensated, and of as many accelerations of 6e-7 m/s^2, at random: 0.5 * 128^2 * 6e-7 /
+        // The readings are equal to the last bit. What differs is the rounding of 25,000 rotations, 6e-8 each
+        // and compensated, and of as many accelerations of 6e-7 m/s^2, at random: 0.5 * 128^2 * 6e-7 /
         // sqrt(25,000) in the altitude, ten times that at worst. The sums themselves lose nothing.
         assert!(worst < 0.01, "{worst}");
     }
 }
 
-/// The double integral of an acceleration a row, linear between rows.
+/// The double integral of one acceleration per row, linear between rows.
 fn double_integral(acceleration: impl Iterator<Item = f64>, step: f64) -> Vec<f64> {
     let (mut velocity, mut position, mut last) = (0.0, 0.0, None);
     acceleration
@@ -207,13 +207,13 @@ fn double_integral(acceleration: impl Iterator<Item = f64>, step: f64) -> Vec<f6
         .collect()
 }
 
-/// The altitude's error that theory predicts from what was wrong at launch and with the unit (Titterton and
-/// Weston, section 12.3): altitude, climb rate times t, and twice integrated the vertical part of what is
-/// left of the accelerometer's bias and of the force that a tilt mixes in.
+/// The altitude error that theory predicts from the errors at launch and of the unit (Titterton and Weston,
+/// section 12.3): altitude, climb rate times t, and, integrated twice, the vertical part of the
+/// accelerometer's remaining bias and of the force that a tilt mixes in.
 ///
-/// The tilt is carried as the channel's down in axes of the earth, (0, 0, 1) if all were right; there it
-/// moves with what is left of the gyro's bias alone, through every turn of the aircraft. Nothing is
-/// linearised: over two minutes the products of the errors count.
+/// The tilt is carried as the channel's down vector in axes of the earth, which would be (0, 0, 1) without
+/// errors; there it moves only with the gyro's remaining bias, through every turn of the aircraft. Nothing is
+/// linearised: over two minutes the products of the errors matter.
 fn theory(flight: &[TruthSample], channel: &VerticalChannel, errors: &Errors) -> Vec<f64> {
     let rows = free(flight);
     let start = &rows[0];
@@ -247,7 +247,7 @@ fn theory(flight: &[TruthSample], channel: &VerticalChannel, errors: &Errors) ->
         .collect()
 }
 
-/// Through dives, pull-ups and steep turns: every error alone, and all together, grows as theory says.
+/// Through dives, pull-ups and steep turns, every error alone, and all together, grow as theory predicts.
 #[test]
 fn errors_grow_as_theory_says() {
     let bias = |axis: usize, size: f64| {
@@ -281,13 +281,14 @@ fn errors_grow_as_theory_says() {
                 found.last().unwrap(),
                 found.len() / 200
             );
-            // The row's length: truth is integrated to the fourth order, this and the channel to the second.
+            // Due to the row's length: truth is integrated to the fourth order, this and the channel to the
+            // second.
             assert!(apart < 0.1, "{name}: {apart} of {largest}");
         }
     }
 }
 
-/// Of biases that were there all the time the alignment finds what can be seen under the pylon, whatever else
+/// Of biases that are always present, the alignment finds what is observable under the pylon, whatever else
 /// it takes for a bias: the difference to the flight without them is the biases.
 #[test]
 fn constant_biases_are_found() {
@@ -301,7 +302,7 @@ fn constant_biases_are_found() {
             let found = f64::from(flown.gyro_bias_radps()[axis] - clean.gyro_bias_radps()[axis]);
             assert!((found - errors.gyro[axis]).abs() < 0.05 * errors.gyro[axis].abs(), "{axis}: {found}");
         }
-        // The accelerometer's along the vertical; those across it are a tilt, 1/g each.
+        // The accelerometer's bias along the vertical; those across it are a tilt, 1/g each.
         let found = f64::from(flown.lacking_acceleration_mps2() - clean.lacking_acceleration_mps2());
         assert!((found - errors.accel[2]).abs() < 0.1 * errors.accel[2], "{found}");
         let g = f64::from(GRAVITY_MPS2);
@@ -324,11 +325,11 @@ fn outcome(flight: &[TruthSample], flown: &Flown) -> [f64; 3] {
     [tilt, end, f64::from(flown.at_launch.climb_rate_mps().unwrap()) - start.climb_rate_mps()]
 }
 
-/// With perfect sensors and a perfect reference what is left after two minutes of free flight is what the
-/// alignment left at launch: the filter's own noise figures let it trust neither. A tilt of 0.2 mrad over a
-/// way of 5 km is 1 m; a bias about the vertical of 0.0002 rad/s (a crab angle known to 0.07 rad a fix, over
-/// 110 fixes) tilts a banked turn of 35 s by 5 mrad. Without velocities every acceleration of the mother ship
-/// is a tilt.
+/// With perfect sensors and a perfect reference, the error after two minutes of free flight is the
+/// alignment's error at launch: the filter's own noise figures let it trust neither. A tilt of 0.2 mrad over
+/// a distance of 5 km is 1 m; a bias about the vertical of 0.0002 rad/s (a crab angle known to 0.07 rad a
+/// fix, over 110 fixes) tilts a banked turn of 35 s by 5 mrad. Without velocities every acceleration of the
+/// mother ship is taken for a tilt.
 #[test]
 fn velocities_take_the_acceleration_out_of_the_level() {
     let (mut with, mut without, mut count) = ([0.0; 3], [0.0; 3], 0.0);

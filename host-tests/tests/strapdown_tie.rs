@@ -1,7 +1,7 @@
-//! The strapdown channel's tie to the reference, and what its inertial unit leaves out, on the chain that
-//! compare flies: outages of the receiver, fixes in bursts, jumps, resets of the unit. Flights are
-//! `flights/clean.toml` with 240 s under the pylon and no altitude of the unit's own, so that the channel
-//! makes it.
+//! The strapdown channel's tie to the reference, and samples that its inertial unit leaves out, on the chain
+//! that compare flies: outages of the receiver, fixes in bursts, jumps, resets of the unit. Flights are
+//! `flights/clean.toml` with 240 s under the pylon and without an altitude from the unit, so that the channel
+//! computes it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::path::Path;
@@ -15,7 +15,7 @@ use model::Model;
 use pylon::replay::{Replay, mission};
 use pylon::simulate::{Scenario, TruthSample, simulate};
 
-/// What is done to a sample.
+/// Alteration of a sample.
 type Alter = fn(&mut ImuSample);
 
 const LAUNCH_S: f64 = 240.0;
@@ -28,7 +28,7 @@ struct Flight {
 }
 
 impl Flight {
-    /// With an outage of the receiver from so many seconds on, and for so many.
+    /// With an outage of the receiver, given by its start and its duration in seconds.
     fn new(seed: u64, outage: Option<[f64; 2]>) -> Self {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../flights/clean.toml");
         let mut text = std::fs::read_to_string(file).unwrap();
@@ -45,7 +45,7 @@ impl Flight {
         Self { inputs, truth: truth.trajectory }
     }
 
-    /// Flies it, each tick altered before the channel sees it.
+    /// Flies it, with each tick altered before the channel takes it.
     fn fly(&self, alter: impl Fn(f64, &mut TickInput)) -> Outcome {
         let mut mission = mission(&Model::default()).unwrap();
         let mut altitude = InertialAltitude::new(Config::MEMS);
@@ -64,10 +64,10 @@ impl Flight {
     }
 }
 
-/// What came of a flight.
+/// Results of a flight.
 struct Outcome {
     latch: LatchRecord,
-    /// Of the channel's altitudes in free flight against the truth, m.
+    /// Errors of the channel's altitudes in free flight, m.
     errors: Vec<f64>,
     altitude: InertialAltitude,
 }
@@ -77,14 +77,14 @@ impl Outcome {
         self.latch.sensors[sensor.index()].bias_m
     }
 
-    /// Root mean square of what the altitude drifts, m.
+    /// Root mean square of the altitude's drift, m.
     fn drift_m(&self) -> f64 {
         let start = self.errors[0];
         let sum: f64 = self.errors.iter().map(|error| (error - start).powi(2)).sum();
         (sum / self.errors.len() as f64).sqrt()
     }
 
-    /// How far it is from another flight's at the end, m.
+    /// Distance from another flight's drift at the end, m.
     fn apart_m(&self, other: &Self) -> f64 {
         assert_eq!(self.errors.len(), other.errors.len());
         let end = |outcome: &Self| outcome.errors.last().unwrap() - outcome.errors[0];
@@ -94,7 +94,8 @@ impl Outcome {
 
 fn unaltered(_: f64, _: &mut TickInput) {}
 
-/// Before the tie knew of gaps: 14,362 m and a barometer that was 1e32 m off, with a calibration called good.
+/// Before the tie handled gaps: 14,362 m, and a barometer that was 1e32 m off, with a calibration reported as
+/// good.
 #[test]
 fn an_outage_of_the_receiver_is_no_divergence() {
     let rms =
@@ -102,14 +103,14 @@ fn an_outage_of_the_receiver_is_no_divergence() {
     let clean: Vec<_> = SEEDS.map(|seed| Flight::new(seed, None).fly(unaltered)).collect();
     let clean_drift = rms(&clean.iter().map(Outcome::drift_m).collect::<Vec<_>>());
     println!("no outage: {clean_drift:.2} m");
-    // Six flights of a drift whose own spread from flight to flight is half of it; the least-squares parabola
-    // drifted by 9.97 m.
+    // Six flights, whose drift varies from flight to flight by half of it; the least-squares parabola drifted
+    // by 9.97 m.
     assert!(clean_drift < 15.0);
     for outage in [[0.5, 65.0], [0.1, 65.0], [0.5, 55.0], [100.0, 65.0], [179.0, 60.0]] {
         let outcomes: Vec<_> = SEEDS.map(|seed| Flight::new(seed, Some(outage)).fly(unaltered)).collect();
         let drift = rms(&outcomes.iter().map(Outcome::drift_m).collect::<Vec<_>>());
         println!("{outage:?}: {drift:.2} m");
-        // An outage up to a second before the launch leaves the climb rate of a minute's coasting.
+        // After an outage up to a second before the launch, the climb rate is that of a minute's coasting.
         assert!(drift < if outage[0] > 100.0 { 40.0 } else { 15.0 }, "{outage:?}: {drift}");
         for (outcome, clean) in outcomes.iter().zip(&clean) {
             // A minute less of a receiver that wanders by 1.5 m within a minute.
@@ -120,7 +121,7 @@ fn an_outage_of_the_receiver_is_no_divergence() {
     }
 }
 
-/// One fix more, 5 ms after a regular one and a metre off: it was 754 m of drift.
+/// An additional fix, 5 ms after a regular one and a metre off, used to cause 754 m of drift.
 #[test]
 fn a_fix_right_after_another_says_no_more_than_that() {
     let flight = Flight::new(8, None);
@@ -144,7 +145,7 @@ fn a_fix_right_after_another_says_no_more_than_that() {
     }
 }
 
-/// A receiver that jumps for a second, or says what cannot be, leaves nothing in the channel.
+/// A receiver that jumps for a second, or reports impossible values, leaves no trace in the channel.
 #[test]
 fn a_jump_of_the_receiver_is_not_followed() {
     let flight = Flight::new(8, None);
@@ -158,15 +159,16 @@ fn a_jump_of_the_receiver_is_not_followed() {
             });
             let apart = jumped.apart_m(&clean);
             println!("{jump} m at {from_s} s: {apart:.2} m");
-            // A second without fixes, up to eight before the launch: of a climb rate known to 0.16 m/s over
-            // some 15 s, 0.04 m/s, 5 m after 128 s; five times that. Followed, a jump of 100 m is 1 m/s.
+            // A second without fixes, up to eight before the launch: a climb rate known to 0.16 m/s over some
+            // 15 s gives 0.04 m/s, 5 m after 128 s; the tolerance is five times that. If it were followed, a
+            // jump of 100 m would be 1 m/s.
             assert!(apart < 25.0 && jumped.altitude.counts().fixes_refused >= 5, "{jump} {from_s}: {apart}");
         }
     }
 }
 
-/// The reset of the unit, 105 ms without samples, in captive and in free flight: the altitude goes on, and
-/// what the gap has cost is within what the channel says of it, 0.07 m/s and the tilt.
+/// The reset of the unit, 105 ms without samples, in captive and in free flight: the altitude continues, and
+/// the gap's cost is within the channel's own estimate, 0.07 m/s and the tilt.
 #[test]
 fn a_reset_of_the_inertial_unit_is_bridged() {
     let (mut squares, mut count) = (0.0, 0.0);
@@ -194,7 +196,7 @@ fn a_reset_of_the_inertial_unit_is_bridged() {
     assert!(climb_mps < 0.15, "{climb_mps}");
 }
 
-/// A bit of a sample that is flipped now and then, in captive and in free flight.
+/// A bit of a sample that flips now and then, in captive and in free flight.
 #[test]
 fn a_leap_of_a_sample_is_not_integrated() {
     let flight = Flight::new(8, None);

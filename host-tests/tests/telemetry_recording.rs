@@ -1,5 +1,5 @@
-//! A flight, told by the flight computer's telemetry, recorded as a ground station does, read by pymavlink
-//! and imported again: what the aircraft saw can be compared and diagnosed.
+//! A flight in the flight computer's telemetry, recorded as by a ground station, read by pymavlink and
+//! imported again: what the aircraft saw can be compared and diagnosed.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod mavlink_client;
@@ -21,7 +21,7 @@ use pylon::replay::Replay;
 use pylon::simulate::{load_scenario, simulate};
 use telemetry::{ComputerStatus, FrameQueue, Rates};
 
-/// When the flight computer was started: 2026-01-01.
+/// Start of the flight computer: 2026-01-01.
 const START_US: u64 = 1_767_225_600_000_000;
 
 fn flown() -> Flight {
@@ -89,7 +89,8 @@ fn every_sample_comes_back_and_the_comparison_is_the_same() {
     assert_eq!(sent.calibration.failed_checks, got.calibration.failed_checks);
     for (name, sensor) in &sent.sensors {
         let other = &got.sensors[name];
-        // The wire's millimetre of a fix and half a millimetre of pressure, in a mean of thousands.
+        // The resolution of the line, a millimetre of a fix and half a millimetre of pressure, in a mean of
+        // thousands.
         assert!((sensor.bias_m.unwrap() - other.bias_m.unwrap()).abs() < 0.001, "{name}");
         assert_eq!(sensor.doubtful_after_s, other.doubtful_after_s, "{name}");
         assert_eq!(sensor.untrustworthy_after_s, other.untrustworthy_after_s, "{name}");
@@ -109,7 +110,7 @@ fn what_the_narrow_line_carries_is_enough_to_find_the_hidden_effect() {
         assert_eq!(baro.missing, ["baro.dynamic_pressure"], "{diagnosis:?}");
         let found = &baro.candidates[0];
         assert!((found.coefficient - truth).abs() < 4.0 * found.sigma, "{found:?}");
-        // The calibration is that of fewer samples of the same flight.
+        // The calibration comes from fewer samples of the same flight.
         let (sent, got) = (compared(&flight), compared(&back));
         let (sent, got) = (&sent.sensors["baro"], &got.sensors["baro"]);
         let off_m = (sent.bias_m.unwrap() - got.bias_m.unwrap()).abs();
@@ -127,7 +128,7 @@ fn what_qemu_sends_on_chips_comes_back_as_the_flight_that_it_flew() {
     assert!(host.starts_with(&target) && host.len() - target.len() < 31 * 75, "{}", target.len());
 
     let (back, _) = import::import(&tlog::recording(&target, START_US)).unwrap();
-    // What the flight computer said of what its drivers read: when each sensor's flags rose, seconds after
+    // The flight computer's results from its drivers' readings: when each sensor's flags rose, seconds after
     // launch.
     let mut launch_us = None;
     let mut raised_s = [[None; 2]; 3];
@@ -152,14 +153,14 @@ fn what_qemu_sends_on_chips_comes_back_as_the_flight_that_it_flew() {
         let sensor = &compared.sensors[name];
         let off_m = (sensor.bias_m.unwrap() - f64::from(latch.sensors[k].bias_m)).abs();
         println!("{name}: bias {off_m:.4} m off, flags at {:?} s", raised_s[k]);
-        // The recording has the launch as it was confirmed; the flight computer latched what it had at the
+        // The recording has the launch at its confirmation; the flight computer latched its state at the
         // first edge.
         let sigma_m = f64::from(latch.sensors[k].bias_variance_m2.sqrt());
         assert!(off_m < sigma_m, "{name}: {off_m} of {sigma_m}");
         for (said_s, got_s) in raised_s[k].iter().zip([sensor.doubtful_after_s, sensor.untrustworthy_after_s])
         {
             assert_eq!(said_s.is_some(), got_s.is_some(), "{name}: {raised_s:?} {got_s:?}");
-            // A tick: the error that rose was within half a millimetre of the bound.
+            // One tick: the error that rose was within half a millimetre of the bound.
             assert!((said_s.unwrap_or_default() - got_s.unwrap_or_default()).abs() < 0.006, "{name}");
         }
     }
@@ -176,7 +177,7 @@ fn another_reader_of_recordings_reads_it_too() {
     let imu = of(&messages, "HIGHRES_IMU");
     assert!(imu.len() > 5_000, "{}", imu.len());
     for message in imu {
-        // pymavlink keeps the time as a double of seconds: to a fourth of a microsecond in 2026.
+        // pymavlink keeps the time as a double of seconds: a resolution of a fourth of a microsecond in 2026.
         let late_us = whole(message, "timestamp_us") - START_US as i64 - whole(message, "time_usec");
         assert!(late_us.abs() <= 1, "{message}");
     }

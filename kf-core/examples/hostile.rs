@@ -1,5 +1,5 @@
-//! Flies missions on any bits at all: `cargo run -p kf-core --example hostile -- [TICKS] [SEED]`, in a debug
-//! build with overflow checks. Ends with a panic at the first that is wrong.
+//! Flies missions on arbitrary bits: `cargo run -p kf-core --example hostile -- [TICKS] [SEED]`, in a debug
+//! build with overflow checks. Panics at the first wrong result.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, dead_code)]
 
 #[path = "../tests/hostile/mod.rs"]

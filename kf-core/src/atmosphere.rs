@@ -29,7 +29,7 @@ pub fn pressure_altitude_m(pressure_pa: f32) -> Option<f32> {
         return None;
     }
     if pressure_pa >= TROPOPAUSE_PRESSURE_PA {
-        // Not `powf`: libm's calls its square root, which no tick may.
+        // Not `powf`: libm's version calls its square root, which is not allowed in a tick.
         let ratio = libm::expf(TROPOSPHERE_EXPONENT * libm::logf(pressure_pa / SEA_LEVEL_PRESSURE_PA));
         Some((1.0 - ratio) * (SEA_LEVEL_TEMPERATURE_K / LAPSE_RATE_K_PER_M))
     } else {
@@ -76,8 +76,8 @@ mod tests {
     fn agrees_with_the_icao_table() {
         for (altitude_m, pressure_pa) in TABLE {
             let got = pressure_altitude_m(pressure_pa).unwrap();
-            // The table prints six digits. Half of the last one, in altitude by dh = -H dp / p with a
-            // scale height H of at most 8,700 m; and f32 keeps 44,331 m to 4 mm.
+            // The table prints six digits. The tolerance is half of the last one, converted to altitude by dh
+            // = -H dp / p with a scale height H of at most 8,700 m; and f32 keeps 44,331 m to 4 mm.
             let last_digit_pa = 10.0_f32.powi(pressure_pa.log10().floor() as i32 - 5);
             let resolution_m = 0.5 * last_digit_pa / pressure_pa * 8_700.0 + 0.01;
             assert!((got - altitude_m).abs() < resolution_m, "{altitude_m}: {got}");

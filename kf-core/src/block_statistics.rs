@@ -1,12 +1,12 @@
 //! Spread and trend of an autocorrelated series, in constant memory.
 
-/// How many blocks are kept.
+/// Number of blocks kept.
 const BLOCKS: usize = 32;
-/// How many are left of them when every two become one.
+/// Number of blocks left when each pair is merged.
 const HALF: usize = BLOCKS / 2;
-/// Length of a block at first, microseconds.
+/// Initial length of a block, microseconds.
 const FIRST_BLOCK_US: u64 = 1_000_000;
-/// Fewest blocks that a trend is computed from: two parameters, and three to judge them by.
+/// Fewest blocks that a trend is computed from: two for its parameters, and three to judge them by.
 const FEWEST_FOR_TREND: usize = 5;
 
 /// Number, mean and sum of squared deviations of some samples.
@@ -29,7 +29,7 @@ impl Block {
         self.squares += before * (sample - self.mean);
     }
 
-    /// Both together (Chan, Golub, LeVeque 1979).
+    /// Both merged (Chan, Golub, LeVeque 1979).
     fn merged(self, other: Self) -> Self {
         if self.count == 0 {
             return other;
@@ -48,7 +48,8 @@ impl Block {
     }
 }
 
-/// The means of some blocks against their numbers: means, sums of squared and multiplied deviations.
+/// Statistics of the means of some blocks against the blocks' numbers: means, sums of squared deviations and
+/// of products of deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Line {
     count: u32,
@@ -74,7 +75,7 @@ impl Line {
         means_squared: 0.0,
     };
 
-    /// With one block more, if there is anything in it (Welford's update, in two dimensions).
+    /// With one more block, unless that is empty (Welford's update, in two dimensions).
     #[inline]
     fn with(self, number: usize, block: Block) -> Self {
         if block.count == 0 {
@@ -107,8 +108,8 @@ pub struct Summary {
     pub mean: f32,
     /// Their variance.
     pub variance: f32,
-    /// Variance of the mean by batch means: the blocks' scatter, so that autocorrelation within a
-    /// block is accounted for. Zero if there are fewer than two blocks.
+    /// Variance of the mean by batch means: computed from the scatter of the blocks, so it accounts for
+    /// autocorrelation within a block. Zero if there are fewer than two blocks.
     pub mean_variance: f32,
     /// Variance of the block means: the slow part of the spread.
     pub block_variance: f32,
@@ -119,35 +120,35 @@ pub struct Summary {
 pub struct Trend {
     /// Change from the first block to the last.
     pub drift: f32,
-    /// Its variance, from the scatter of the blocks about the line.
+    /// Variance of the drift, from the scatter of the blocks about the line.
     pub drift_variance: f32,
 }
 
 /// Block means of a series: at most 32 blocks, which double in length when they run out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BlockStatistics {
-    /// Those before the one that is being filled. While there are pairs to be merged, all but the first
-    /// `merged` are still of half the length, two in the place of one.
+    /// The blocks before the one being filled. While pairs are still to be merged, all but the first `merged`
+    /// blocks keep half the length, two in the place of one.
     blocks: [Block; BLOCKS],
-    /// How many pairs have been merged since the blocks doubled; [`HALF`]: all. Before that no block closes.
+    /// Number of pairs merged since the blocks doubled; [`HALF`] means all. No block closes before that.
     merged: usize,
     start_us: Option<u64>,
     block_us: u64,
-    /// The block that is being filled, its number, and where it ends.
+    /// The block being filled, its number, and where it ends.
     filling: Block,
     open: usize,
     open_ends_us: u64,
-    /// Of the blocks before that one: their samples together, and the means of those that are merged. Kept,
-    /// so that the tick that latches does not go through all blocks of all series.
+    /// Totals of the blocks before that one: all their samples, and the means of the merged ones. Kept so
+    /// that the tick that latches need not go through all blocks of all series.
     closed: Block,
     closed_means: Line,
 }
 
 impl BlockStatistics {
-    /// Of nothing yet.
+    /// Without samples.
     ///
-    /// To be used as the constant it is, so that it is written where it stays: these blocks are most of what
-    /// a mission keeps, and copies of them on the way were most of the stack.
+    /// Use it as the constant it is, so that it is written in place: these blocks are most of what a mission
+    /// keeps, and copies of them on the way were most of the stack.
     pub const EMPTY: Self = Self {
         blocks: [Block::EMPTY; BLOCKS],
         merged: HALF,
@@ -160,8 +161,9 @@ impl BlockStatistics {
         closed_means: Line::EMPTY,
     };
 
-    /// Makes the first blocks longer by `place` hundredths (0 to 9): series that begin in the same tick and
-    /// differ in that run out of blocks, which costs, in different ones. Before the first sample.
+    /// Lengthens the first blocks by `place` hundredths (0 to 9). Series that begin in the same tick with
+    /// different places then run out of blocks, which is expensive, in different ticks. Call it before the
+    /// first sample.
     pub const fn stagger(&mut self, place: u8) {
         self.block_us = FIRST_BLOCK_US + FIRST_BLOCK_US / 100 * place as u64;
     }
@@ -175,8 +177,8 @@ impl BlockStatistics {
         self.filling.add(sample);
     }
 
-    /// Does a part of what is left to do since the blocks doubled, if anything is. Nothing but time is lost
-    /// where it is not called: what is left when the next block closes is done then, at once.
+    /// Does part of the merging left since the blocks doubled, if any. Not calling it costs nothing but time:
+    /// the rest is then done at once when the next block closes.
     #[inline]
     pub fn tidy(&mut self) {
         if self.merged < HALF {
@@ -184,15 +186,15 @@ impl BlockStatistics {
         }
     }
 
-    /// Moves on to the block of `time_us`; blocks double in length where they run out.
+    /// Moves on to the block that contains `time_us`; blocks double in length when they run out.
     #[inline(never)]
     fn open_block(&mut self, time_us: u64) {
         let start_us = *self.start_us.get_or_insert(time_us);
         if self.open_ends_us == 0 {
             self.open_ends_us = start_us.saturating_add(self.block_us);
         }
-        // Ends: a step moves the end on by a block, and sixteen double the block. 2^64 us are 49 doublings of
-        // a second.
+        // This terminates: each step moves the end on by a block, and sixteen double the block. 2^64 us are
+        // 49 doublings of a second.
         while time_us >= self.open_ends_us && self.open_ends_us < u64::MAX {
             self.close();
             if self.open == BLOCKS {
@@ -205,7 +207,7 @@ impl BlockStatistics {
         }
     }
 
-    /// Closes the block that is being filled.
+    /// Closes the block being filled.
     fn close(&mut self) {
         while self.merged < HALF {
             self.merge_pair();
@@ -219,7 +221,7 @@ impl BlockStatistics {
         self.open += 1;
     }
 
-    /// Makes one block of the next two.
+    /// Merges the next two blocks into one.
     #[inline(never)]
     fn merge_pair(&mut self) {
         let block = self.block(self.merged);
@@ -295,15 +297,15 @@ impl BlockStatistics {
         self.trend_from(from, line)
     }
 
-    /// Of the blocks from `from` on, whose means are `line`.
-    // Not compiled here, for size, but with the mission, for speed; so is what it calls.
+    /// Trend of the blocks from `from` on, whose means are `line`.
+    // Not compiled here, for size, but with the mission, for speed; the same holds for what it calls.
     #[inline]
     fn trend_from(&self, from: usize, line: Line) -> Option<Trend> {
         if (line.count as usize) < FEWEST_FOR_TREND {
             return None;
         }
         let slope = line.product / line.numbers_squared;
-        // From the residuals themselves: squares less what the line explains would cancel.
+        // Computed from the residuals themselves: the squares less what the line explains would cancel.
         let mut squares = 0.0;
         let mut along = from as f32 - line.number;
         for block in (from..=self.open).map(|number| self.block(number)) {
@@ -378,7 +380,8 @@ mod tests {
             prop_assert!((f64::from(summary.variance).sqrt() - (squares / (n - 1.0)).sqrt()).abs() < 1e-1);
         }
 
-        /// Against the samples sorted into blocks anew, however much is left to do since the blocks doubled.
+        /// Compares with the samples sorted into blocks again, however much merging is left since the blocks
+        /// doubled.
         #[test]
         fn a_block_has_the_samples_of_its_time(
             samples in prop::collection::vec(-1e3_f32..1e3, 1..500),
@@ -407,8 +410,8 @@ mod tests {
             }
         }
 
-        /// What is kept of the closed blocks, against all blocks in f64: a block forgotten or counted twice
-        /// when they double in length would show.
+        /// Compares the totals of the closed blocks with all blocks in f64: a block forgotten or counted
+        /// twice when they double in length would show.
         #[test]
         fn what_is_kept_is_what_the_blocks_say(
             samples in prop::collection::vec(-1e3_f32..1e3, 1..500),
@@ -435,7 +438,7 @@ mod tests {
                 let span = points[points.len() - 1].0 - points[0].0;
                 let squares = points.iter().map(|(x, y)| (y - mean - slope * (x - number)).powi(2)).sum::<f64>();
                 let variance = span * span * squares / (n - 2.0) / xx;
-                // Beside a scatter `s`, f32 keeps the slope to some 1e-6 s.
+                // With a scatter `s`, f32 keeps the slope to about 1e-6 s.
                 let scale = span * (yy / xx).sqrt();
                 prop_assert!((f64::from(trend.drift) - slope * span).abs() <= 1e-4 * scale + 1e-6, "{trend:?}");
                 prop_assert!((f64::from(trend.drift_variance) - variance).abs() <= 1e-3 * variance + 1e-6 * scale * scale);

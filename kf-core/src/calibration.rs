@@ -1,4 +1,4 @@
-//! Captive flight: the biases are estimated, and what their quality is judged by is gathered.
+//! Captive flight: estimates the biases, and gathers what their quality is judged by.
 
 use crate::block_statistics::BlockStatistics;
 use crate::config::{ClimbRate, MissionConfig, SigmaSource};
@@ -21,19 +21,18 @@ use gate::{GATE_SIGMAS, Outcome, SourceGate};
 use reference_level::ReferenceLevel;
 use settling::SettlingLevel;
 
-/// Error of a climb rate that is not measured (1 sigma, m/s): the altitude may then do what an
-/// aircraft does.
+/// Error of an unmeasured climb rate (1 sigma, m/s): the altitude may then do whatever an aircraft can do.
 const UNKNOWN_CLIMB_RATE_MPS: f32 = 10.0;
 /// An innovation beyond this many sigmas is implausible.
 const IMPLAUSIBLE_SIGMAS: f32 = 3.0;
-/// What is known of a level that was given up (1 sigma), metres: nothing, within
-/// [`crate::plausible::altitude`]. With less, the altitude would have to bear a part of the step.
+/// Uncertainty of a level that was given up (1 sigma), metres: unknown within [`crate::plausible::altitude`].
+/// With a smaller value, the altitude would have to absorb part of the step.
 const UNKNOWN_LEVEL_M: f32 = 1e5;
-/// The vertical speed of nobody who carries a vehicle changes faster, m/s^2: a load factor of 0 or 2. More
-/// would let a climb rate that is wrong for half a second carry the altitude away.
+/// Fastest change of a mother ship's vertical speed, m/s^2: a load factor of 0 or 2. A larger limit would let
+/// a climb rate that is wrong for half a second carry the altitude away.
 const FASTEST_CHANGE_MPS2: f32 = 10.0;
 
-/// An innovation in metres, and its normalised square with the innovation's sign.
+/// An innovation in metres, and its NIS with the innovation's sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Surprise {
     pub innovation_m: f32,
@@ -62,8 +61,8 @@ impl SourceNoise {
     }
 
     /// White noise that carries the same information over many correlation times, for a measurement
-    /// `interval_s` after the last one; the first one counts in full. `excess` is how much larger than the
-    /// model's the source's variance is.
+    /// `interval_s` after the previous one; the first one counts in full. `excess` is the ratio of the
+    /// source's variance to the model's.
     #[inline(always)]
     fn equivalent(&self, interval_s: Option<f32>, excess: f32) -> MeasurementNoise {
         let variance_m2 = match interval_s {
@@ -76,8 +75,8 @@ impl SourceNoise {
         MeasurementNoise::from_variance_m2(variance_m2 * excess).unwrap_or(self.single)
     }
 
-    /// The innovation of one measurement is judged by the error of one measurement, not by the
-    /// equivalent white noise that the gain is computed with.
+    /// Judges the innovation of one measurement by the error of one measurement, not by the equivalent white
+    /// noise that the gain is computed with.
     #[inline(always)]
     fn surprise(&self, innovation: Innovation, used: MeasurementNoise) -> Surprise {
         const UNIT: f32 = crate::estimator::UNIT_M;
@@ -99,7 +98,7 @@ pub(crate) struct CaptiveStep {
     pub sensors: [Option<Result<Surprise, FilterError>>; SENSORS],
 }
 
-/// The calibration while it is being made.
+/// The calibration in progress.
 #[derive(Clone, Debug)]
 pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usize> {
     estimator: Estimator<HEAD, TAIL, E>,
@@ -112,7 +111,7 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     sensor_noise: [SourceNoise; SENSORS],
     reference_gate: SourceGate,
     sensor_gates: [SourceGate; SENSORS],
-    /// The reference's level was given up: the next fix makes it anew.
+    /// The reference's level was given up: the next fix sets a new one.
     reference_is_void: bool,
     start_us: Option<u64>,
     propagated_us: u64,
@@ -123,12 +122,12 @@ pub(crate) struct Calibration<const HEAD: usize, const TAIL: usize, const E: usi
     reference_drift: BlockStatistics,
     reference_level: ReferenceLevel,
     settling: [SettlingLevel; SENSORS],
-    /// The series that is tidied next.
+    /// Index of the series to be tidied next.
     turn: u8,
     innovations: u32,
     implausible: u32,
     reference_was_lost: bool,
-    /// The square of the airspeed last seen, (m/s)^2.
+    /// Square of the last airspeed, (m/s)^2.
     last_airspeed_squared_m2ps2: f32,
 }
 
@@ -169,7 +168,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         })
     }
 
-    /// Begins anew, with the next fix: that of which everything so far was measured was an outlier.
+    /// Starts again with the next fix: the fix that everything so far was measured against was an outlier.
     #[cold]
     #[inline(never)]
     fn restart(&mut self, time_us: u64) {
@@ -188,9 +187,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.stagger();
     }
 
-    /// Whether the filter takes that fix: false for an outlier. To be asked before anything else believes it:
-    /// the tracker, the signals and every residual go by the fixes. Effects on the reference are as at the
-    /// last fix, metres and square metres.
+    /// Whether the filter takes that fix: false for an outlier. Call it before anything else uses the fix:
+    /// the tracker, the signals and every residual depend on the fixes. Effects on the reference are as at
+    /// the last fix, metres and square metres.
     pub(crate) fn admits(
         &mut self,
         config: &MissionConfig<E>,
@@ -216,15 +215,15 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 climbed_m = climb_m;
                 variance_m2 += climb_variance_m2;
                 if let (Some(last_mps), Some(down_mps)) = (tracker.climb_rate_mps(), fix.velocity_down_mps) {
-                    // Two fixes' errors, and what the aircraft may have done between them.
+                    // Errors of both fixes, and what the aircraft may have done between them.
                     let since_fix_s = seconds_between(tracker.last_fix_us(), time_us);
                     let tolerated_mps =
                         FASTEST_CHANGE_MPS2 * since_fix_s + 2.0 * GATE_SIGMAS * climb.sigma_mps;
                     is_smooth = (last_mps + down_mps).abs() <= tolerated_mps;
                 }
             } else {
-                // What is beyond even that has a level of its own, however noisy the receiver was before it
-                // was lost.
+                // A fix beyond even that is on another level, however noisy the receiver was before it was
+                // lost.
                 variance_m2 += square(config.reference.prior_sigma_m);
                 limit = square(GATE_SIGMAS);
                 self.reference_gate.begin_anew();
@@ -240,7 +239,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         if self.reference_gate.refuse(time_us, innovation_m > 0.0) == Outcome::Outlier {
             return false;
         }
-        // A filter that claims a constant altitude cannot let it move: it begins anew as well.
+        // A filter that claims a constant altitude cannot let it move, so it starts again as well.
         if was_established && HEAD == 0 {
             self.reference_is_void = true;
         } else {
@@ -252,7 +251,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         true
     }
 
-    /// One series a tick: no tick bears more of what is left to do for them.
+    /// Tidies one series a tick, so that no tick does more of the outstanding work.
     #[inline(never)]
     fn tidy(&mut self) {
         let sensors = self.residuals.len();
@@ -269,7 +268,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.turn = if turn > sensors + 1 { 0 } else { self.turn + 1 };
     }
 
-    /// No two of the series are to run out of blocks in the same tick.
+    /// Staggers the series, so that no two of them run out of blocks in the same tick.
     fn stagger(&mut self) {
         let others = [&mut self.altitude, &mut self.airspeed_squared, &mut self.reference_drift];
         for (place, statistics) in (0..).zip(self.residuals.iter_mut().chain(others)) {
@@ -277,7 +276,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// There is an altitude to start from: a fix, or the configuration's.
+    /// Whether there is an altitude to start from: a fix, or the configuration's.
     pub(crate) const fn has_altitude(&self) -> bool {
         self.has_altitude
     }
@@ -316,8 +315,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             return step;
         }
         let is_void = fix.is_some() && core::mem::take(&mut self.reference_is_void);
-        // The first fix that is used has none before it, whatever the settling time has seen; nor has one
-        // that overturns those before it.
+        // The first fix used has no previous one, whatever the settling time has seen; nor has a fix that
+        // overturns those before it.
         let fix = fix.map(|fix| match self.has_fix && !is_void {
             true => fix,
             false => AcceptedFix { interval_s: None, ..fix },
@@ -342,15 +341,15 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         let was_lost = self.has_fix && fix.is_some_and(|fix| fix.interval_s.is_none());
         self.has_fix |= fix.is_some();
         if is_void {
-            // Cannot fail: the variance is a constant, and the shape was asked for.
+            // Cannot fail: the variance is a constant, and the shape has been checked.
             let _ = self.estimator.climb(0.0, square(UNKNOWN_LEVEL_M));
         }
         if self.propagate(config, time_us, tracker, was_lost).is_err() {
             step.reference = Some(Err(FilterError::NotFinite));
             return step;
         }
-        // With effects the filter's state has no place in the registers anyway: a second copy of every
-        // update, unrolled, would be flash for nothing.
+        // With effects, the filter's state does not fit in the registers anyway: a second, unrolled copy of
+        // every update would only waste flash.
         if let (0, Some(fix), &[Some(master), Some(slave), Some(baro)]) = (E, fix, readings_m) {
             let readings_m = [master, slave, baro];
             if let Some(step) = self.take_together(time_us, fix, &readings_m, regressors_m) {
@@ -377,8 +376,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         step
     }
 
-    /// The tick at which everything is new, at once. `None` if any part was refused: nothing has then
-    /// been taken, and each reading is to be tried for itself.
+    /// Takes a tick at which everything is new, all at once. `None` if any part was refused: nothing has then
+    /// been taken, and each reading must be tried separately.
     #[inline(always)]
     fn take_together(
         &mut self,
@@ -431,8 +430,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         Some(CaptiveStep { reference: Some(reference), sensors: sensors.map(Some) })
     }
 
-    /// Noise of a sensor's reading now. In line where the filter is small enough for that to pay; with
-    /// effects three copies would be flash for nothing.
+    /// Current noise of a sensor's reading. Inlined where the filter is small enough for that to pay; with
+    /// effects, three copies would only waste flash.
     #[inline(always)]
     fn noise_now(&self, sensor: usize, time_us: u64) -> MeasurementNoise {
         if E == 0 { self.compute_noise(sensor, time_us) } else { self.compute_noise_once(sensor, time_us) }
@@ -451,11 +450,12 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             Some(gate) if gate::stands() => gate.excess(),
             _ => 1.0,
         };
-        // There is no other sensor; what never happens must not be a panic.
+        // There is no other sensor, but an impossible case must not panic.
         self.sensor_noise.get(sensor).unwrap_or(&self.reference_noise).equivalent(interval_s, excess)
     }
 
-    /// Eqs 4 and 5 up to now, where the configuration has them; `was_lost` until this tick's fix.
+    /// Applies eqs 4 and 5 up to now, where configured; `was_lost`: there was no reference until this tick's
+    /// fix.
     #[inline]
     fn propagate(
         &mut self,
@@ -468,7 +468,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.propagated_us = time_us;
         if let Some(climb) = &config.reference.climb_rate {
             let (climb_m, variance_m2) = if was_lost {
-                // Meanwhile the altitude may have gone anywhere.
+                // In the meantime the altitude may have changed by any amount.
                 (0.0, config.reference.prior_sigma_m * config.reference.prior_sigma_m)
             } else {
                 climb_over(climb, tracker, seconds)
@@ -484,7 +484,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         Ok(())
     }
 
-    // Unrolled for each sensor, whose row is then a constant: no bound is left to be checked.
+    // Unrolled for each sensor: its row is then a constant, and no bounds check is left.
     #[inline(always)]
     fn take_reading(
         &mut self,
@@ -517,8 +517,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         Some(surprise)
     }
 
-    /// Takes an outlier of a sensor: if it overturns what was believed, the next reading makes the bias anew,
-    /// and the statistics are of that.
+    /// Takes an outlier of a sensor. If it overturns the estimate, the next reading determines the bias
+    /// again, and the statistics restart.
     #[cold]
     #[inline(never)]
     fn refuse(&mut self, sensor: Sensor, time_us: u64, above: bool) {
@@ -536,7 +536,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Counts a reading that never came as far as the filter: not what the source delivers when it is well.
+    /// Counts a reading that never reached the filter: a healthy source does not deliver such readings.
     pub(crate) fn note_implausible(&mut self, source: Option<Sensor>) {
         let gate = match source {
             Some(sensor) => self.sensor_gates.get_mut(sensor.index()),
@@ -557,8 +557,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.implausible = self.implausible.saturating_add(u32::from(is_implausible));
     }
 
-    /// Takes a fix of captive flight. While the receiver settles, one that does not claim to be accurate may
-    /// move.
+    /// Takes a fix of captive flight. While the receiver settles, a fix that does not claim to be accurate
+    /// may move the level.
     #[inline]
     pub(crate) fn follow_reference(
         &mut self,
@@ -570,8 +570,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     ) {
         let counts = has_settled || tracker.last_fix().is_some_and(|fix| config.quality.accepts(fix));
         let had_jumped = self.reference_level.has_jumped();
-        // Everything is measured against the first fix's level. One that ends within the memory that it is
-        // judged by was none: of some fixes that were off as the calibration began, or began anew.
+        // Everything is measured against the first fix's level. A level that ends within the memory that it
+        // is judged by was a false one: some fixes were off as the calibration began, or began again.
         if has_settled && !self.has_fix {
             self.reference_level.begin_anew();
         }
@@ -584,8 +584,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// How far the reference is from its mean over the calibration, which the biases are against, by its own
-    /// climb rate, metres. Nothing where no climb rate carries it.
+    /// Distance of the reference from its mean over the calibration, which the biases refer to, by its own
+    /// climb rate, metres. Zero where no climb rate carries it.
     pub(crate) fn reference_drift_m(&self, tracker: &ReferenceTracker) -> f32 {
         match (tracker.altitude_minus_climb_m(), self.reference_drift.mean()) {
             (Some(now_m), Some(mean_m)) => now_m - mean_m,
@@ -593,7 +593,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Notes a residual of the settling time, against a reference that is said to be good.
+    /// Notes a residual of the settling time, against a reference that is reported to be good.
     #[inline(never)]
     pub(crate) fn note_settling(&mut self, config: &MissionConfig<E>, sensor: Sensor, residual_m: f32) {
         let i = sensor.index();
@@ -602,7 +602,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Notes a calibrated residual that still contains the bias (its spread does not care).
+    /// Notes a calibrated residual that still contains the bias (which does not affect its spread).
     #[inline]
     pub(crate) fn note_residual(&mut self, time_us: u64, sensor: Sensor, residual_m: f32) {
         if let Some(statistics) = self.residuals.get_mut(sensor.index()) {
@@ -610,8 +610,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Notes the squared airspeed, (m/s)^2. No airspeed doubles or halves between two samples (beyond 10 m/s,
-    /// where gusts are not as large): a sample that does so, and the one after it, count for nothing.
+    /// Notes the squared airspeed, (m/s)^2. A real airspeed does not double or halve between two samples
+    /// (beyond 10 m/s, where gusts are smaller): a sample that does, and the one after it, are ignored.
     #[inline]
     pub(crate) fn note_airspeed(&mut self, time_us: u64, airspeed_squared_m2ps2: f32) {
         const SLACK_M2PS2: f32 = 100.0;
@@ -624,8 +624,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         }
     }
 
-    /// Whether every source has been consistent, and every bias is one that its prior and the settling time
-    /// allow.
+    /// Whether every source has been consistent, and every bias is within what its prior and the settling
+    /// time allow.
     fn is_consistent(&self, config: &MissionConfig<E>, duration_s: f32) -> bool {
         let share = config.quality.implausible_share;
         let mut sensors =
@@ -642,7 +642,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 })
     }
 
-    /// Copies the calibration at launch. Its failed checks are without those of [`StatisticalChecks`].
+    /// Copies the calibration at launch. Its failed checks exclude those of [`StatisticalChecks`].
     pub(crate) fn latch(
         &self,
         config: &MissionConfig<E>,
@@ -667,14 +667,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 SigmaSource::Covariance => bias_variance_m2,
                 SigmaSource::Datasheet => square(config.sensors[sensor.index()].sigma_m),
             };
-            // A residual spread ten times as far as the model has it is not of that sensor: a bound made of
+            // A residual spread ten times the model's does not belong to that sensor: a bound computed from
             // it would call anything trusted.
             let modelled_m2 =
                 square(config.sensors[sensor.index()].sigma_m) + square(config.reference.sigma_m);
             let bias_m = self.estimator.bias_m(sensor);
             let multiplier2 = square(config.monitor.multiplier);
-            // If its readings lay, on average, further from the bias than their spread allows, the reference
-            // was on another level when that was estimated.
+            // If its readings were, on average, further from the bias than their spread allows, the reference
+            // was on another level when the bias was estimated.
             let is_its_own = residual_variance_m2 <= gate::LARGEST_SPREAD * modelled_m2
                 && summary.is_none_or(|summary| square(summary.mean - bias_m) <= multiplier2 * spread_m2);
             are_credible &= is_its_own;
@@ -708,7 +708,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     }
 }
 
-/// How far the altitude climbs in `seconds`, metres, and the variance of that.
+/// Climb of the altitude in `seconds`, metres, and its variance.
 #[inline]
 fn climb_over(climb: &ClimbRate, tracker: &ReferenceTracker, seconds: f32) -> (f32, f32) {
     let density = |sigma: f32| 2.0 * sigma * sigma * climb.correlation_time_s;

@@ -1,4 +1,4 @@
-//! What a mission is configured with: the reference, the sensors, the monitor, the effects.
+//! Configuration of a mission: reference, sensors, monitor, effects.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,9 +6,9 @@ use crate::effect::EffectTerm;
 use crate::input::GpsFix;
 use crate::sensor::SENSORS;
 
-/// How many effects a model can hold as constants, beside those that are states.
+/// Largest number of effects that a model can hold as constants, beside those that are states.
 pub const MAX_CONSTANT_EFFECTS: usize = 8;
-/// How many effects a model can hold as states.
+/// Largest number of effects that a model can hold as states.
 pub const MAX_ESTIMATED_EFFECTS: usize = 8;
 
 /// The climb rate that carries the reference altitude between fixes (input `u` of eq. 4).
@@ -16,17 +16,17 @@ pub const MAX_ESTIMATED_EFFECTS: usize = 8;
 pub struct ClimbRate {
     /// Error of the climb rate (1 sigma), m/s.
     pub sigma_mps: f32,
-    /// For how long that error keeps its sign, seconds.
+    /// Correlation time of that error, seconds.
     pub correlation_time_s: f32,
 }
 
-/// The reference: what the receiver's altitude is worth.
+/// The reference: the accuracy of the receiver's altitude.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceConfig {
     /// Error of one fix (1 sigma), metres.
     pub sigma_m: f32,
-    /// For how long that error keeps its sign, seconds; 0 for white noise. A fix every `dt` is then
-    /// weighted with the equivalent white noise `sigma^2 max(1, 2 tau / dt)`.
+    /// Correlation time of that error, seconds; 0 for white noise. A fix every `dt` is then weighted with the
+    /// equivalent white noise `sigma^2 max(1, 2 tau / dt)`.
     pub correlation_time_s: f32,
     /// Prior altitude, metres; without it, the first fix.
     pub prior_altitude_m: Option<f32>,
@@ -34,11 +34,11 @@ pub struct ReferenceConfig {
     pub prior_sigma_m: f32,
     /// How the altitude moves between fixes; without it, it does not (A = I, Q = 0).
     pub climb_rate: Option<ClimbRate>,
-    /// A reference older than this is lost, seconds.
+    /// Age beyond which the reference is lost, seconds.
     pub lost_after_s: f32,
 }
 
-/// A sensor's noise, and what is believed of its bias before the first measurement.
+/// A sensor's noise, and the prior of its bias.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorConfig {
     /// Error of one reading (1 sigma), metres.
@@ -57,10 +57,10 @@ pub struct SensorConfig {
 /// Where the monitor's sigma of eq. 17 comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SigmaSource {
-    /// The spread of the calibrated residual in captive flight. Where the reference's error is
-    /// correlated in time, a calibration sees only part of it: what its length must miss is added,
-    /// once for the spread and once for the bias, which has the missing part in it
-    /// ([`crate::gauss_markov::mean_variance_factor`]). With a white reference (the paper's) nothing is.
+    /// The spread of the calibrated residual in captive flight. Where the reference's error is correlated in
+    /// time, a calibration sees only part of it. The part that its length must miss is added twice: for the
+    /// spread, and for the bias, which contains it ([`crate::gauss_markov::mean_variance_factor`]). With a
+    /// white reference (the paper's) nothing is added.
     Residual,
     /// The filter's own covariance of the bias.
     Covariance,
@@ -77,10 +77,10 @@ pub struct MonitorConfig {
     pub multiplier: f32,
     /// Length of the moving average, seconds.
     pub window_s: f32,
-    /// For how long the error must have been beyond the threshold before a sensor is untrustworthy, seconds;
-    /// the paper's: 0.
+    /// How long the error must have exceeded the threshold before a sensor is untrustworthy, seconds; the
+    /// paper's value is 0.
     pub persistence_s: f32,
-    /// Whether an error that may be the reference's is held against no sensor (`reference_check.rs`); the
+    /// Whether an error that may be the reference's is not blamed on a sensor (`reference_check.rs`); the
     /// paper's is.
     pub reference_check: bool,
 }
@@ -90,9 +90,9 @@ pub struct MonitorConfig {
 pub enum SecondCorrection {
     /// None: the paper's section 3.
     Off,
-    /// The moving average of the error is taken off the sensor.
+    /// The moving average of the error is subtracted from the sensor.
     MovingAverage,
-    /// A one-state Kalman filter of the error (random walk) takes the moving average's place.
+    /// A one-state Kalman filter of the error (random walk) replaces the moving average.
     Kalman {
         /// How far the error wanders in one second (1 sigma), metres per root second.
         wander_m_per_sqrt_s: f32,
@@ -122,22 +122,21 @@ pub struct QualityConfig {
 }
 
 impl QualityConfig {
-    /// Whether a receiver that reports this of its fix claims to be good enough; one that reports nothing
-    /// does.
+    /// Whether the accuracy that a receiver reports for its fix is good enough; true if it reports none.
     pub(crate) fn accepts(&self, fix: &GpsFix) -> bool {
         fix.vertical_accuracy_m.is_none_or(|sigma_m| sigma_m <= self.vertical_accuracy_m)
             && fix.satellites.is_none_or(|count| count >= self.minimum_satellites)
     }
 }
 
-/// Everything that one mission is configured with; `E` effects are states.
+/// The whole configuration of one mission; `E` effects are states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionConfig<const E: usize> {
-    /// First part of captive flight that is ignored, seconds.
+    /// Initial part of captive flight that is ignored, seconds.
     pub settling_s: f32,
     /// The reference.
     pub reference: ReferenceConfig,
-    /// Where the flight is, degrees of latitude, north positive; only `imu.eotvos` needs it.
+    /// Latitude of the flight, degrees, north positive; only `imu.eotvos` needs it.
     pub latitude_deg: f32,
     /// The sensors, in the order of [`crate::sensor::Sensor`].
     pub sensors: [SensorConfig; SENSORS],

@@ -1,15 +1,15 @@
-//! Without a reference: whether the two sensors that fly free agree with each other.
+//! Checks without a reference whether the two sensors that fly free agree with each other.
 //!
 //! Eq. 16 needs the reference. While that is lost, or suspect ([`crate::free_flight`]), the difference of the
 //! two calibrated altitudes is still known: each reading less its effects and its latched bias is an estimate
-//! of the same altitude. A difference beyond both bounds says that one of them is wrong, not which.
+//! of the same altitude. A difference beyond both bounds shows that one of them is wrong, but not which.
 
 use crate::latch::LatchRecord;
 use crate::monitor::{Monitor, longest_step_us};
 use crate::output::{Agreement, CrossCheckOutput, Trust};
 use crate::sensor::Sensor;
 
-/// Readings further apart than this are no pair, microseconds: at 50 m/s of climb they differ by a metre.
+/// Longest time between two readings of a pair, microseconds: at 50 m/s of climb they then differ by a metre.
 const PAIR_US: u64 = 20_000;
 
 /// The cross-check of one flight.
@@ -23,13 +23,13 @@ pub(crate) struct CrossCheck {
 }
 
 impl CrossCheck {
-    /// Of no flight yet; it must [`Self::begin`].
+    /// Without a flight; call [`Self::begin`] first.
     pub(crate) fn new(window_us: u64) -> Self {
         Self { monitor: Monitor::new(0.0, window_us), is_bounded: false, last: [None; 2] }
     }
 
-    /// The variances of two independent sensors add; what their residuals share, the reference's own
-    /// error, is in both bounds and not in the difference, which errs towards silence.
+    /// The variances of two independent sensors add. The reference's own error, which their residuals share,
+    /// is in both bounds but not in the difference; that errs towards silence.
     #[inline(never)]
     pub(crate) fn begin(&mut self, latch: &LatchRecord) {
         let bound_m2 =
@@ -37,7 +37,7 @@ impl CrossCheck {
         let (slave_m2, baro_m2) = (bound_m2(Sensor::ImuSlave), bound_m2(Sensor::Baro));
         let sum_m2 = slave_m2 + baro_m2;
         self.is_bounded = slave_m2 > 0.0 && baro_m2 > 0.0 && sum_m2.is_finite();
-        // There are as many pairs as the slower of the two has readings.
+        // The number of pairs is the number of readings of the slower sensor.
         let readings =
             |sensor: Sensor| latch.sensors.get(sensor.index()).map_or(0, |latched| latched.readings);
         let pairs = readings(Sensor::ImuSlave).min(readings(Sensor::Baro));
@@ -45,8 +45,8 @@ impl CrossCheck {
         self.last = [None; 2];
     }
 
-    /// Takes the calibrated altitude of one sensor, metres, at a tick without a reference. Returns what
-    /// the pair that it completes says.
+    /// Takes the calibrated altitude of one sensor, metres, at a tick without a reference. Returns the result
+    /// of the pair that it completes.
     pub(crate) fn take(&mut self, sensor: Sensor, time_us: u64, altitude_m: f32) -> Option<CrossCheckOutput> {
         let [slave, baro] = &mut self.last;
         let (own, other) = match sensor {
@@ -75,7 +75,7 @@ impl CrossCheck {
         Some(CrossCheckOutput { difference_m, moving_average_m, agreement: agreement(self.monitor.trust()) })
     }
 
-    /// What the two have come to so far.
+    /// Trust in the two sensors so far.
     pub(crate) fn trust(&self) -> Trust {
         if self.is_bounded { self.monitor.trust() } else { Trust::Unmonitored }
     }
@@ -123,11 +123,11 @@ mod tests {
         let said = check.take(Sensor::Baro, 10_000, 104.9).unwrap();
         assert!((said.difference_m - 4.9).abs() < 1e-4);
         assert_eq!(said.agreement, Agreement::Agree);
-        // Five metres are the bound; beyond it is doubt, and while the average is within no more.
+        // The bound is five metres; beyond it is doubtful, and no worse while the average is within.
         assert_eq!(check.take(Sensor::Baro, 20_000, 106.0), None, "its partner has been used");
         let said = check.take(Sensor::ImuSlave, 30_000, 100.0).unwrap();
         assert_eq!((said.difference_m, said.agreement), (6.0, Agreement::Doubtful));
-        // 6 m over 5/6 of the window of 2 s are the bound.
+        // 6 m over 5/6 of the window of 2 s reach the bound.
         let disagrees_us = (2..200)
             .map(|k| k * 20_000)
             .find(|time_us| {

@@ -1,9 +1,9 @@
-//! The estimation problem of eqs 9 to 15, with effects: which states there are, in which units, and
-//! which row of H each measurement has.
+//! The estimation problem of eqs 9 to 15, with effects: its states, their units, and each measurement's row
+//! of H.
 //!
-//! State, as the outside sees it: `x = [h, b_1..b_S, theta_1..theta_E]`. Stored: biases, coefficients,
-//! altitude last, so that U stays sparse. Altitudes are kept as deviations from a fixed reference
-//! altitude in units of [`UNIT_M`], coefficients in units that make them of the same order.
+//! State as seen from outside: `x = [h, b_1..b_S, theta_1..theta_E]`. Stored order: biases, coefficients,
+//! altitude, so that U stays sparse. Altitudes are stored as deviations from a fixed reference altitude in
+//! units of [`UNIT_M`], coefficients in units that make them of the same order.
 
 use crate::config::MissionConfig;
 use crate::error::FilterError;
@@ -11,8 +11,8 @@ use crate::latch::{MAX_COVARIANCE, collected};
 use crate::sensor::{SENSORS, Sensor};
 use crate::ud::{Gate, Innovation, NoiseVariance, Row, UdFilter};
 
-/// Unit of the filter's altitudes, metres: biases of tens to hundreds of metres become O(1). A power
-/// of two, so that scaling rounds nothing.
+/// Unit of the filter's altitudes, metres: biases of tens to hundreds of metres become O(1). A power of two,
+/// so that scaling does not round.
 pub const UNIT_M: f32 = 64.0;
 
 /// Why an estimator cannot be made from a configuration.
@@ -37,7 +37,7 @@ impl From<FilterError> for ConfigError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimator<const HEAD: usize, const TAIL: usize, const E: usize> {
     filter: UdFilter<HEAD, TAIL>,
-    /// What stored altitudes are relative to, metres.
+    /// Origin of the stored altitudes, metres.
     origin_m: f32,
     /// Size of one unit of each stored coefficient, in the coefficient's own unit.
     coefficient_unit: [f32; E],
@@ -46,7 +46,7 @@ pub struct Estimator<const HEAD: usize, const TAIL: usize, const E: usize> {
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL, E> {
     const ALTITUDE: usize = TAIL.saturating_sub(1);
 
-    /// The prior of eq. 3: `altitude_m` with `config.reference.prior_sigma_m`, biases and
+    /// Starts with the prior of eq. 3: `altitude_m` with `config.reference.prior_sigma_m`, biases and
     /// coefficients with theirs.
     ///
     /// # Errors
@@ -134,8 +134,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
 
     /// Takes a reading of a sensor: `y = h + b + sum_j theta_j phi_j + v`.
     ///
-    /// `regressors_m` are the phi of this sensor, metres per unit of coefficient; zero for an effect
-    /// on another sensor. Without a gate no innovation is too large.
+    /// `regressors_m` are the phi of this sensor, metres per unit of coefficient; zero for an effect on
+    /// another sensor. Without a gate, every innovation is accepted.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`], [`FilterError::Gated`]; the state is then unchanged.
@@ -152,17 +152,17 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         self.take(&row, self.scaled(reading_m), noise, gate)
     }
 
-    /// Takes a tick at which the reference and every sensor are new, and folds: what
-    /// [`Self::update_reference`], each [`Self::update_sensor`] and [`Self::fold`] do, but all or
-    /// nothing, which lets the state stay in registers.
+    /// Takes a tick at which the reference and every sensor are new, and folds. It does what
+    /// [`Self::update_reference`], each [`Self::update_sensor`] and [`Self::fold`] do, but all or nothing,
+    /// which lets the state stay in registers.
     ///
     /// `reference_regressors_m[effect]` as for [`Self::update_reference`], `regressors_m[sensor][effect]` as
-    /// for [`Self::update_sensor`]. `admits` is asked last, with the sensors' innovations.
+    /// for [`Self::update_sensor`]. `admits` is called last, with the sensors' innovations.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`], [`FilterError::Refused`]; nothing of the tick has then been taken.
     #[inline(always)]
-    #[allow(clippy::too_many_arguments)] // Eq. 6 with everything in it.
+    #[allow(clippy::too_many_arguments)] // All inputs of eq. 6.
     pub fn update_together(
         &mut self,
         altitude_m: f32,
@@ -206,7 +206,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         Row { head: None, tail, first: Self::ALTITUDE }
     }
 
-    /// The reference's row with effects on it. Apart from [`Self::reference_row`], whose zeros the filter
+    /// The reference's row with effects on it; separate from [`Self::reference_row`], whose zeros the filter
     /// skips.
     fn affected_reference_row(&self, regressors_m: &[f32; E]) -> Row<TAIL> {
         let mut tail = [0.0; TAIL];
@@ -239,8 +239,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         (reading_m - self.origin_m) * (1.0 / UNIT_M)
     }
 
-    /// Carries the altitude on by `climb_m` metres whose error has the variance `variance_m2`
-    /// (eqs 4 and 5).
+    /// Carries the altitude on by `climb_m` metres, whose error has the variance `variance_m2` (eqs 4 and 5).
     ///
     /// # Errors
     /// [`FilterError`]; [`FilterError::Shape`] if `HEAD > 0` and the variance is not zero.
@@ -315,7 +314,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         self.filter.variance(HEAD + Self::coefficient_index(effect)) * square(unit)
     }
 
-    /// Variances of altitude, biases and coefficients: the same as one by one, for less.
+    /// Variances of altitude, biases and coefficients: the same values as one by one, but cheaper.
     #[inline]
     pub(crate) fn variances(&self) -> (f32, [f32; SENSORS], [f32; E]) {
         if HEAD > 0 {
@@ -350,8 +349,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimator<HEAD, TAIL,
         let states = 1 + SENSORS + E;
         let altitude = HEAD + Self::ALTITUDE;
         let mut triangle = collected(core::iter::repeat_n(0.0, states * (states + 1) / 2));
-        // Stored entries come row by row, and but for the altitude's, which are the first row outside, in the
-        // triangle's order.
+        // Stored entries come row by row. They are in the triangle's order except for the altitude's, which
+        // are the first row outside.
         let mut next = states;
         self.filter.for_each_covariance(|one, other, entry| {
             let scaled = entry * self.unit(one) * self.unit(other);
@@ -403,8 +402,8 @@ impl MeasurementNoise {
         NoiseVariance::new(variance_m2 / square(UNIT_M)).map(Self)
     }
 
-    /// The gate of a measurement that is weighted by this noise and judged by that of `single`: its
-    /// normalised innovation squared is at most `limit`.
+    /// The gate of a measurement that is weighted by this noise and judged by that of `single`: its NIS is at
+    /// most `limit`.
     #[inline(always)]
     pub(crate) fn gate(self, limit: f32, single: Self, only_judges: bool) -> Gate {
         Gate { limit, excess: self.0.get() - single.0.get(), only_judges }

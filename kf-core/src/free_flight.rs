@@ -1,4 +1,4 @@
-//! Free flight: the latched sensors are watched (section 4 of the paper).
+//! Free flight: monitoring of the latched sensors (section 4 of the paper).
 
 use serde::{Deserialize, Serialize};
 
@@ -12,12 +12,13 @@ use crate::sensor::Sensor;
 use crate::time::{microseconds, seconds_between};
 use crate::ud::{NoiseVariance, Row, UdFilter};
 
-/// One sensor's error after this tick's reading.
+/// Error of one sensor after this tick's reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WatchedError {
     /// Error of eq. 16 less the second correction, metres.
     pub error_m: f32,
-    /// Its moving average, metres; `None` where the error was not judged, because it may be the reference's.
+    /// Its moving average, metres; `None` if the error was not judged because the reference may have caused
+    /// it.
     pub moving_average_m: Option<f32>,
 }
 
@@ -31,7 +32,7 @@ enum Correction {
 }
 
 impl Correction {
-    /// Before launch.
+    /// The state before launch.
     fn new(kind: &SecondCorrection, window_us: u64) -> Self {
         match kind {
             SecondCorrection::Off | SecondCorrection::Kalman { .. } => Self::Off,
@@ -41,7 +42,7 @@ impl Correction {
         }
     }
 
-    /// At launch.
+    /// Starts the correction at launch.
     #[inline(never)]
     fn begin(&mut self, kind: &SecondCorrection, latched: &SensorLatch, time_us: u64) {
         match (self, kind) {
@@ -59,7 +60,7 @@ impl Correction {
                         wander_m2_per_s: wander_m_per_sqrt_s * wander_m_per_sqrt_s,
                         last_us: time_us,
                     },
-                    // A sensor whose residual has no spread has nothing to be corrected by.
+                    // A residual without spread gives the filter no measurement noise: no correction.
                     _ => Self::Off,
                 };
             }
@@ -67,7 +68,7 @@ impl Correction {
         }
     }
 
-    /// What is taken off the next reading, metres.
+    /// Correction to subtract from the next reading, metres.
     fn value_m(&self) -> f32 {
         match self {
             Self::Off => 0.0,
@@ -76,7 +77,7 @@ impl Correction {
         }
     }
 
-    /// Learns from the uncorrected error.
+    /// Updates the correction with the uncorrected error.
     fn learn(&mut self, time_us: u64, error_m: f32) {
         match self {
             Self::Off => {}
@@ -85,7 +86,7 @@ impl Correction {
                 let variance = *wander_m2_per_s * seconds_between(*last_us, time_us);
                 *last_us = time_us;
                 let row = Row { head: None, tail: [1.0], first: 0 };
-                // A refused step leaves the filter, and so the correction, as it was.
+                // A refused step leaves the filter, and therefore the correction, unchanged.
                 if filter.add_tail_noise(0, variance).is_ok() && filter.update(&row, error_m, *noise).is_ok()
                 {
                     filter.fold();
@@ -95,7 +96,7 @@ impl Correction {
     }
 }
 
-/// What of a second correction cannot be had again from configuration and latch.
+/// State of a second correction that cannot be recovered from configuration and latch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is no heap to box the window on")]
 enum KeptCorrection {
@@ -118,13 +119,13 @@ impl Correction {
         }
     }
 
-    /// False where what was kept is of another kind, or no filter.
+    /// False if the stored state is of another kind or is not a valid filter.
     fn restore(&mut self, kept: &KeptCorrection) -> bool {
         match (self, kept) {
             (Self::Off, KeptCorrection::Off) => true,
             (Self::MovingAverage { average, value_m }, KeptCorrection::MovingAverage(kept)) => {
                 average.restore(kept);
-                // Nothing before the first sample, which has no mean.
+                // Before the first sample there is no mean.
                 let mean_m = average.mean();
                 *value_m = if mean_m.is_nan() { 0.0 } else { mean_m };
                 true
@@ -144,21 +145,21 @@ impl Correction {
     }
 }
 
-/// One sensor's watch.
+/// Monitoring of one sensor.
 #[derive(Clone, Debug)]
 struct Watch {
-    /// There is something to watch it by.
+    /// The sensor has an alarm limit to be monitored by.
     is_on: bool,
     monitor: Monitor,
     correction: Correction,
-    /// The sensor's effects could not be continued over a restart: its error is not known any more.
+    /// The sensor's effects could not be continued over a restart: its error is no longer known.
     stopped: bool,
     testimony: Testimony,
     /// The last reading was not judged.
     is_unjudged: bool,
 }
 
-/// What a sensor last said of the reference.
+/// The sensor's latest evidence about the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Testimony {
     /// Error of its last reading against the reference as it is now, metres.
@@ -167,7 +168,7 @@ struct Testimony {
 }
 
 impl Watch {
-    /// Whether the sensor may be asked about the reference.
+    /// Whether the sensor can be used as a witness for the reference.
     fn can_testify(&self, time_us: u64, silent_after_us: u64) -> bool {
         self.is_on
             && !self.stopped
@@ -175,7 +176,7 @@ impl Watch {
             && time_us.saturating_sub(self.testimony.time_us) <= silent_after_us
     }
 
-    /// Whether it takes the reference's side against the receiver's other word, metres from it.
+    /// Whether it supports the reference and contradicts the receiver's alternative altitude, `other_m` away.
     fn contradicts(&self, other_m: f32) -> bool {
         let error_m = self.testimony.error_m;
         self.is_within_bound(error_m) && !self.is_within_bound(error_m - other_m)
@@ -186,7 +187,7 @@ impl Watch {
     }
 }
 
-/// What of a watch cannot be had again from configuration and latch.
+/// State of a watch that cannot be recovered from configuration and latch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptWatch {
     monitor: KeptMonitor,
@@ -195,10 +196,11 @@ pub(crate) struct KeptWatch {
     testimony: Testimony,
 }
 
-/// What of free flight cannot be had again from configuration and latch. It is read part by part.
+/// State of free flight that cannot be recovered from configuration and latch. It is read part by part.
 pub(crate) type KeptFreeFlight = (Standing, [Option<KeptWatch>; WATCHED.len()]);
 
-/// The sensors that fly free. There is no room kept for one that does not: a watch is over half a kilobyte.
+/// The sensors that leave with the UAV. No room is kept for one that does not: a watch takes over half a
+/// kilobyte.
 pub(crate) const WATCHED: [Sensor; 2] = [Sensor::ImuSlave, Sensor::Baro];
 
 const fn position(sensor: Sensor) -> Option<usize> {
@@ -209,18 +211,18 @@ const fn position(sensor: Sensor) -> Option<usize> {
     }
 }
 
-/// The watch over every sensor that flies free. It is there from the first tick on, so that at launch nothing
-/// of its size has to be made and moved.
+/// Monitoring of every sensor that leaves with the UAV. It exists from the first tick on, so that nothing of
+/// its size has to be made and moved at launch.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeFlight {
-    /// Of [`WATCHED`].
+    /// One for each of [`WATCHED`].
     watches: [Watch; WATCHED.len()],
     reference: ReferenceCheck,
     silent_after_us: u64,
 }
 
 impl FreeFlight {
-    /// Of no flight yet; it must [`Self::begin`].
+    /// Not started yet; must be started by [`Self::begin`].
     pub(crate) fn new<const E: usize>(config: &MissionConfig<E>) -> Self {
         let window_us = microseconds(config.monitor.window_s);
         let watch = |_| Watch {
@@ -239,7 +241,8 @@ impl FreeFlight {
         }
     }
 
-    /// Launch, or a suspicion of it. The reference is `reference_left_m` from its mean over the calibration.
+    /// Starts at a launch or a suspected launch. `reference_left_m` is the reference's departure from its
+    /// mean over the calibration, metres.
     #[inline(never)]
     pub(crate) fn begin<const E: usize>(
         &mut self,
@@ -253,7 +256,7 @@ impl FreeFlight {
             let latched = latched.filter(|latched| latched.bound_m2 > 0.0 && latched.bound_m2.is_finite());
             watch.is_on = latched.is_some();
             watch.stopped = false;
-            // It will say something soon; until then it vouches for nothing.
+            // A reading is expected soon; until then it supports no altitude.
             watch.testimony = Testimony { error_m: f32::NAN, time_us: latch.time_us };
             watch.is_unjudged = false;
             if let Some(latched) = latched {
@@ -264,7 +267,7 @@ impl FreeFlight {
         }
     }
 
-    /// What goes into a snapshot.
+    /// State for a snapshot.
     pub(crate) fn kept(&self) -> KeptFreeFlight {
         let kept = |watch: &Watch| {
             watch.is_on.then(|| KeptWatch {
@@ -278,13 +281,13 @@ impl FreeFlight {
         (self.reference.standing(), [kept(slave), kept(baro)])
     }
 
-    /// Goes on with the reference of a snapshot.
+    /// Restores the reference's standing from a snapshot.
     pub(crate) fn restore_standing(&mut self, standing: Standing) {
         self.reference.restore(standing);
     }
 
-    /// Goes on with the watch of a snapshot over the sensor at a place of [`WATCHED`]; false where that is
-    /// not of this configuration and latch.
+    /// Restores the watch over the sensor at a place of [`WATCHED`] from a snapshot; false if that watch does
+    /// not belong to this configuration and latch.
     pub(crate) fn restore_watch(&mut self, place: usize, kept: Option<&KeptWatch>) -> bool {
         let Some(watch) = self.watches.get_mut(place) else { return false };
         match kept {
@@ -299,21 +302,21 @@ impl FreeFlight {
         }
     }
 
-    /// From now on the sensor's error is not known. Flags stay.
+    /// Stops monitoring: the sensor's error is not known from now on. Flags stay.
     pub(crate) fn stop(&mut self, sensor: Sensor) {
         if let Some(watch) = self.watch_mut(sensor) {
             watch.stopped = true;
         }
     }
 
-    /// Raises a flag that is known from elsewhere.
+    /// Raises a flag that was recorded elsewhere.
     pub(crate) fn raise(&mut self, sensor: Sensor, trust: Trust) {
         if let Some(watch) = self.watch_mut(sensor) {
             watch.monitor.raise(trust);
         }
     }
 
-    /// The flag that is raised for a sensor, if one is.
+    /// The flag raised for a sensor, if any.
     pub(crate) fn flag(&self, sensor: Sensor) -> Option<Trust> {
         let watch = self.watch(sensor)?;
         Some(watch.monitor.trust()).filter(|trust| *trust != Trust::Trusted)
@@ -329,15 +332,14 @@ impl FreeFlight {
         self.watches.get_mut(position(sensor)?).filter(|watch| watch.is_on)
     }
 
-    /// The altitude that takes the last fix's place, metres, at that fix's time; `None` where the fix is
-    /// good.
+    /// Altitude that replaces the last fix, metres, at that fix's time; `None` if the fix is good.
     #[inline]
     pub(crate) const fn carried_m(&self) -> Option<f32> {
         self.reference.carried_m()
     }
 
-    /// Takes a fix: the altitude that was carried on to it, if there was one, and the fix's own, metres, free
-    /// of effects. True if it is good; otherwise [`Self::carried_m`] is the reference.
+    /// Takes a fix: the altitude carried forward to it, if any, and the fix's own, metres, free of effects.
+    /// True if the fix is good; otherwise [`Self::carried_m`] is the reference.
     #[inline(never)]
     pub(crate) fn take_fix(&mut self, time_us: u64, carried_m: Option<f32>, altitude_m: f32) -> bool {
         if !self.reference.is_on() {
@@ -350,7 +352,7 @@ impl FreeFlight {
             let mut witnesses = watches.iter().filter(can_testify);
             witnesses.all(|watch| watch.is_within_bound(watch.testimony.error_m - departure_m))
         };
-        // With nobody to ask both are true.
+        // Without witnesses both are true.
         let is_good = reference.take(time_us, carried_m, departure_m, || agree(departure_m) && !agree(0.0));
         if is_good {
             self.move_reference(departure_m);
@@ -358,15 +360,15 @@ impl FreeFlight {
         is_good
     }
 
-    /// The reference has moved by so much, metres, and what was said of it with it.
+    /// Moves the reference by `by_m` metres, and the sensors' recorded errors with it.
     pub(crate) fn move_reference(&mut self, by_m: f32) {
         self.watches.iter_mut().for_each(|watch| watch.testimony.error_m -= by_m);
     }
 
     /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the error
-    /// overflows. `is_current`: the reference is not carried on by an old climb rate. After launch a vehicle
-    /// manoeuvres as no carrier does, and what its last climb rate makes of some seconds says nothing of a
-    /// sensor.
+    /// overflows. `is_current`: the reference is not carried forward by an old climb rate. After launch a
+    /// vehicle manoeuvres as no carrier does, so a last climb rate that is extrapolated for some seconds
+    /// proves nothing about a sensor.
     #[inline]
     pub(crate) fn take(
         &mut self,
@@ -394,8 +396,8 @@ impl FreeFlight {
         Some(WatchedError { error_m: corrected_m, moving_average_m })
     }
 
-    /// Whether an error is not to be held against the sensor at that place. One within its bound settles what
-    /// was disputed of the reference.
+    /// Whether the reference may have caused an error, so that it does not count against the sensor. An error
+    /// within the alarm limit settles a dispute about the reference.
     #[inline]
     fn may_be_the_references(&mut self, place: usize, time_us: u64, error_m: f32) -> bool {
         let (own, other) = match (&self.watches, place) {
@@ -429,8 +431,8 @@ impl FreeFlight {
         !is_likelier_own(own, other, self.reference.play())
     }
 
-    /// What a sensor is worth. A flag that was raised stays; otherwise, a sensor without a reference that may
-    /// be believed, or one that has gone silent, is not known.
+    /// Trust in a sensor. A raised flag stays. Otherwise a sensor that is silent, or that has no credible
+    /// reference, is unmonitored.
     #[inline]
     pub(crate) fn trust(&self, sensor: Sensor, time_us: u64, has_reference: bool) -> Trust {
         let Some(watch) = self.watch(sensor) else { return Trust::Unmonitored };
@@ -444,18 +446,18 @@ impl FreeFlight {
     }
 }
 
-/// Whether an error of a sensor beyond its bound is likelier its own than the reference's, by what the other
-/// sensor's error is. Of each the error, metres, and the square of its bound; the bounds are the same
-/// multiple of each one's sigma, and chi squared is in units of its square.
+/// Whether an error beyond a sensor's alarm limit is more likely the sensor's own than the reference's, given
+/// the other sensor's error. For each: the error, metres, and the square of its alarm limit. The limits are
+/// the same multiple of each sensor's sigma, and chi squared is in units of its square.
 ///
 /// A reference that is off by `r` costs `(own - r)^2 / own_bound^2 + (others - r)^2 / others_bound^2 + d^2
-/// stiffness`, at the best `r`, where `d` is how far `r` is from what the receiver's two words have between
-/// them ([`Play`]): one whose climb rate agrees with its altitude has gone no further than its fixes' own
-/// errors, and one that converges is off to the one side by what it has left, and not to the other. An error
-/// of the sensor costs the other's alone, `others^2 / others_bound^2`, and no more than 1: beyond its bound
-/// the other is off as well. Were that left open, two sensors that fail would hide each other for ever. Of a
-/// reference of which nobody knows how far it is off it is left open: both beyond their bounds, and on one
-/// side, are the reference's before they are two failures.
+/// stiffness`, at the best `r`, where `d` is the distance of `r` from the interval between the receiver's two
+/// altitudes ([`Play`]). A receiver whose climb rate agrees with its altitude is off by no more than its
+/// fixes' own errors. One that converges is off in one direction by its remaining error, and not in the
+/// other. An error of the sensor costs only the other's, `others^2 / others_bound^2`, and at most 1: beyond
+/// its limit the other sensor is wrong as well. Without this cap two failed sensors would hide each other for
+/// ever. If nothing limits the error of the reference, there is no cap: two errors beyond their limits in the
+/// same direction are blamed on the reference before they count as two failures.
 fn is_likelier_own(
     (own_m, own_bound_m2): (f32, f32),
     (others_m, others_bound_m2): (f32, f32),
@@ -465,7 +467,8 @@ fn is_likelier_own(
     let others_cost = others * others_m * others_m;
     let by_itself = if play.is_some() { others_cost.min(1.0) } else { others_cost };
     let Play { other_m, stiffness_per_m2 } = play.unwrap_or(Play { other_m: 0.0, stiffness_per_m2: 0.0 });
-    // What the two errors have in common, as far as the words go; beyond them the stiffness holds it.
+    // The common part of the two errors, within the receiver's two altitudes; beyond them the stiffness
+    // limits it.
     let common_m = (own * own_m + others * others_m) / (own + others);
     let word_m = common_m.max(other_m.min(0.0)).min(other_m.max(0.0));
     let (own_m, others_m) = (own_m - word_m, others_m - word_m);
@@ -478,9 +481,9 @@ fn is_likelier_own(
 mod tests {
     use super::*;
 
-    /// Bounds of 7 m, and a reference that may be anywhere: the other vouches for it, unless the two are
-    /// closer to each other than it is to the reference. One that is known for anything has both failed where
-    /// they are more than 9.9 m apart, the root of 49 + 49.
+    /// Alarm limits of 7 m and a reference without a known limit: the other sensor supports it unless the two
+    /// sensors are closer to each other than the other is to the reference. Against a reference with a known
+    /// limit both have failed if they are more than 9.9 m apart, the root of 49 + 49.
     #[test]
     fn an_error_is_a_sensors_own_unless_the_reference_explains_both() {
         for (own_m, others_m, is_own) in [
@@ -502,7 +505,7 @@ mod tests {
         }
     }
 
-    /// A receiver that may be off by 10 m explains two sensors that are 8 m off, and not two that are 20 m
+    /// A receiver that may be off by 10 m explains two sensors that are 8 m off, but not two that are 20 m
     /// off.
     #[test]
     fn a_reference_explains_no_more_than_it_may_be_off() {
@@ -514,8 +517,8 @@ mod tests {
         }
     }
 
-    /// A receiver that converges, with 5.7 m left between its two words, explains errors of 8.7 m and 4.7 m
-    /// to the one side, and not to the other; nor one of 8.7 m alone, nor what is far beyond its words.
+    /// A converging receiver with 5.7 m left between its two altitudes explains errors of 8.7 m and 4.7 m in
+    /// one direction, but not in the other, nor one of 8.7 m alone, nor errors far beyond its two altitudes.
     #[test]
     fn a_reference_is_off_to_the_side_of_its_other_word() {
         for (own_m, others_m, other_m, is_own) in [

@@ -1,20 +1,20 @@
-//! What a first-order Gauss-Markov error of known size and correlation time does to statistics that are
-//! taken over a span not much longer than that time.
+//! How a first-order Gauss-Markov error of known size and correlation time affects statistics over a span not
+//! much longer than that time.
 //!
 //! The error has the variance `sigma^2` and the autocovariance `sigma^2 exp(-|dt| / tau)` (Gelb, "Applied
-//! Optimal Estimation", ch. 3.8). Factors below are to be multiplied by `sigma^2`.
+//! Optimal Estimation", ch. 3.8). The factors below are to be multiplied by `sigma^2`.
 
-/// Variance of its mean over the span: `2/a (1 - (1 - exp(-a)) / a)`, `a = span / tau`.
+/// Variance of the error's mean over the span: `2/a (1 - (1 - exp(-a)) / a)`, `a = span / tau`.
 ///
-/// It is also what the spread about that mean, over the same span, lacks of `sigma^2`. 0 for white noise
-/// (`tau = 0`), 1 for a span that is short against tau.
+/// The spread about that mean, over the same span, falls short of `sigma^2` by the same factor. 0 for white
+/// noise (`tau = 0`), 1 for a span that is short against tau.
 #[must_use]
 pub fn mean_variance_factor(span_s: f32, correlation_time_s: f32) -> f32 {
     if correlation_time_s <= 0.0 {
         return 0.0;
     }
     let a = span_s / correlation_time_s;
-    // Below, the difference is lost in f32; the factor is 1 - a/3.
+    // Below this, f32 loses the difference; the factor is 1 - a/3.
     if a < 0.01 {
         return 1.0;
     }
@@ -39,8 +39,8 @@ pub fn drift_variance_factor(span_s: f32, correlation_time_s: f32) -> f32 {
     144.0 * integral
 }
 
-/// Variance of what is left of it after its exponential mean of that memory is taken off:
-/// `memory / (memory + tau)`. 1 for white noise, of which a mean knows nothing.
+/// Variance of the error after its exponential mean with this memory is subtracted: `memory / (memory +
+/// tau)`. 1 for white noise, which a mean does not predict.
 #[must_use]
 pub fn recent_variance_factor(memory_s: f32, correlation_time_s: f32) -> f32 {
     memory_s / (memory_s + correlation_time_s)
@@ -50,7 +50,7 @@ pub fn recent_variance_factor(memory_s: f32, correlation_time_s: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Both factors by summing the covariance over a grid of `n` points, f64.
+    /// Both factors, by summing the covariance over a grid of `n` points in f64.
     fn by_summation(a: f64) -> (f64, f64) {
         let n = 400;
         let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n) - 0.5;

@@ -1,10 +1,10 @@
-//! The guards against single faults, and a switch to take one out.
+//! Guards against single faults, and a switch to remove one.
 //!
-//! A fault campaign that finds nothing proves something only if it would have found a guard missing. With the
-//! feature `removable-guards`, which no image of a board has, a guard can be taken out while the program
-//! runs; without it [`Guard::stands`] is `true` when the code is compiled, and costs nothing.
+//! A fault campaign that finds nothing is evidence only if it would have noticed a missing guard. With the
+//! feature `removable-guards`, which no board image has, a guard can be removed at run time; without it
+//! [`Guard::stands`] is a compile-time `true` and costs nothing.
 
-/// A guard that one kind of fault is stopped by.
+/// A guard that stops one kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Guard {
@@ -12,29 +12,29 @@ pub enum Guard {
     InnovationGate = 0,
     /// The residual's sigma is robust against outliers.
     RobustSigma = 1,
-    /// Readings that no aircraft can have are refused before anything believes them.
+    /// Readings that no aircraft can have are refused before anything uses them.
     PlausibleReading = 2,
     /// The moving average flags a sensor only with enough readings in its window.
     FilledWindow = 3,
     /// A jump of the reference in free flight is not blamed on the sensors.
     ReferenceJump = 4,
-    /// The umbilical is listened to until the launch is decided.
+    /// The umbilical is read until the launch is decided.
     ListenUntilDecided = 5,
     /// Only the mother ship's own messages count.
     KnownSender = 6,
-    /// A closed wire is overruled by near free fall only together with silence.
+    /// Near free fall overrules a closed wire only together with silence.
     ClosedWireHolds = 7,
-    /// A configuration that reads back wrong is read again, and rewritten, before the chip is reset.
+    /// A configuration that reads back wrong is read again and rewritten before the chip is reset.
     ReadBackAgain = 8,
     /// The receiver's port speaks UBX only.
     UbxOnly = 9,
-    /// The strapdown channel's tie to the reference knows of gaps between fixes.
+    /// The strapdown channel's tie to the reference accounts for gaps between fixes.
     TieKnowsGaps = 10,
-    /// The strapdown channel bridges what a reset of the inertial unit takes.
+    /// The strapdown channel bridges the gap that a reset of the inertial unit makes.
     InertialBridge = 11,
     /// Only crashes of the program count towards standby.
     OnlyCrashesCount = 12,
-    /// Standby ends: the flight computer tries again, with the latch that it had.
+    /// Standby ends: the flight computer tries again, with its previous latch.
     StandbyEnds = 13,
 }
 
@@ -57,7 +57,7 @@ impl Guard {
         Self::StandbyEnds,
     ];
 
-    /// Whether it stands: true, unless a campaign has taken it out.
+    /// Whether the guard is in place: true unless a campaign has removed it.
     #[must_use]
     #[inline(always)]
     #[cfg(not(feature = "removable-guards"))]
@@ -65,7 +65,7 @@ impl Guard {
         true
     }
 
-    /// Whether it stands: true, unless a campaign has taken it out.
+    /// Whether the guard is in place: true unless a campaign has removed it.
     #[must_use]
     #[inline]
     #[cfg(feature = "removable-guards")]
@@ -73,7 +73,7 @@ impl Guard {
         removed::BITS.load(core::sync::atomic::Ordering::Relaxed) & (1 << self as u8) == 0
     }
 
-    /// Takes these guards out, in the whole process, and puts all others back.
+    /// Removes these guards in the whole process and puts all others back.
     #[cfg(feature = "removable-guards")]
     pub fn remove_only(guards: &[Self]) {
         let bits = guards.iter().fold(0, |bits, guard| bits | 1 << *guard as u8);
@@ -85,7 +85,7 @@ impl Guard {
 mod removed {
     use core::sync::atomic::AtomicU32;
 
-    /// One bit a guard that is out.
+    /// One bit for each removed guard.
     pub static BITS: AtomicU32 = AtomicU32::new(0);
 }
 

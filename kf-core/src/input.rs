@@ -1,8 +1,8 @@
-//! What enters the estimator at one tick.
+//! Input of the estimator at one tick.
 //!
 //! Axes: body forward-right-down, navigation north-east-down; accelerations are specific force.
-//! `None` means "no new sample at this tick", never "zero". Values may be non-finite: the estimator
-//! refuses those, counts them and goes on.
+//! `None` means "no new sample at this tick", never "zero". Values may be non-finite: the estimator refuses
+//! and counts them and continues.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,15 +23,15 @@ pub struct GpsFix {
     pub vertical_accuracy_m: Option<f32>,
     /// Satellites used in the fix.
     pub satellites: Option<u8>,
-    /// When the fix was taken, by the receiver's clock, microseconds. Two fixes with the same time
-    /// are one fix that was held. Without it, a fix that repeats every bit of the last is held.
+    /// When the fix was taken, by the receiver's clock, microseconds. Two fixes with the same time are one
+    /// held fix. Without a time, a fix that repeats every bit of the last one is held.
     pub fix_time_us: Option<u64>,
 }
 
-/// What the barometer delivered.
+/// A reading of the barometer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum BaroReading {
-    /// Static pressure, pascals; turned into altitude by [`crate::atmosphere::pressure_altitude_m`].
+    /// Static pressure, pascals; converted to altitude by [`crate::atmosphere::pressure_altitude_m`].
     PressurePa(f32),
     /// Pressure altitude, metres.
     AltitudeM(f32),
@@ -46,7 +46,7 @@ pub struct ImuSample {
     pub gyro_radps: [f32; 3],
 }
 
-/// Signals that regressors of effects are made of; each is the latest value when new at this tick.
+/// Signals from which regressors of effects are made; each is the latest value if new at this tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Signals {
     /// True airspeed, m/s.
@@ -65,21 +65,21 @@ pub struct Signals {
     pub attitude_rad: Option<[f32; 3]>,
 }
 
-/// New samples of columns that the estimator does not know, by the numbers that the model gave them, for its
-/// effects by formula. Only the desk has such.
+/// New samples of the extra columns, by the numbers that the model gave them, for its effects by formula.
+/// Only the desk has such columns.
 #[derive(Clone, Copy, Debug)]
 pub struct Columns([f32; MAX_COLUMNS]);
 
 impl Columns {
-    /// A new sample of the column of that number, SI units; what is not finite, or of no such number, is not
-    /// taken.
+    /// Sets a new sample of the column with this number, SI units. Values that are not finite and unknown
+    /// numbers are ignored.
     pub fn set(&mut self, column: usize, value: f32) {
         if let (Some(slot), true) = (self.0.get_mut(column), value.is_finite()) {
             *slot = value;
         }
     }
 
-    /// The new sample of the column of that number.
+    /// The new sample of the column with this number.
     #[must_use]
     pub fn get(&self, column: usize) -> Option<f32> {
         self.0.get(column).copied().filter(|value| !value.is_nan())
@@ -99,16 +99,16 @@ impl PartialEq for Columns {
     }
 }
 
-/// What stands behind [`TickInput::launch`]; see [`crate::launch`].
+/// How certain [`TickInput::launch`] is; see [`crate::launch`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LaunchDoubt {
-    /// Nothing: captive or launched, as it says.
+    /// No doubt: captive or launched, as `launch` states.
     #[default]
     None,
-    /// Not launched yet, but perhaps: the calibration is held, and takes no data.
+    /// Possibly launched, not confirmed: the calibration is held and takes no data.
     Suspected,
-    /// Launched, and nothing but the wire says so: the latch bears
-    /// [`crate::quality::Check::LaunchConfirmed`] as failed.
+    /// Launched, but shown by the wire only: the latch records [`crate::quality::Check::LaunchConfirmed`] as
+    /// failed.
     Unconfirmed,
 }
 
@@ -119,7 +119,7 @@ pub struct TickInput {
     pub time_us: u64,
     /// True once the UAV has left the mother ship.
     pub launch: bool,
-    /// What stands behind that.
+    /// How certain `launch` is.
     #[serde(default)]
     pub launch_doubt: LaunchDoubt,
     /// A fix of the reference.

@@ -1,4 +1,4 @@
-//! The latched calibration: copied once at launch, frozen, protected by a CRC.
+//! The latched calibration: copied once at launch, then frozen and protected by a CRC.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
@@ -6,25 +6,25 @@ use serde::{Deserialize, Serialize};
 use crate::config::MAX_ESTIMATED_EFFECTS;
 use crate::sensor::SENSORS;
 
-/// Most states: altitude, biases, coefficients.
+/// Largest number of states: altitude, biases, coefficients.
 pub const MAX_STATES: usize = 1 + SENSORS + MAX_ESTIMATED_EFFECTS;
-/// Entries of the packed upper triangle of a covariance of that many states.
+/// Entries of the packed upper triangle of a covariance of this many states.
 pub const MAX_COVARIANCE: usize = MAX_STATES * (MAX_STATES + 1) / 2;
-/// No record is longer than this, bytes.
+/// Longest record, bytes.
 pub const MAX_RECORD_BYTES: usize = 1024;
 
 /// Version of the record's layout.
 const VERSION: u8 = 1;
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Why a record was not made or not believed.
+/// Why a record was not written or not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LatchError {
     /// The buffer is too short.
     BufferTooShort,
-    /// The bytes are not a record, or not all of one, or were changed.
+    /// The bytes are not a complete record, or were changed.
     Corrupt,
-    /// A record of another version of the layout.
+    /// The record has another version of the layout.
     Version,
 }
 
@@ -33,16 +33,16 @@ pub enum LatchError {
 pub struct SensorLatch {
     /// Bias, metres.
     pub bias_m: f32,
-    /// Its variance by the filter, square metres.
+    /// The filter's variance of the bias, square metres.
     pub bias_variance_m2: f32,
     /// Readings that the calibration used.
     pub readings: u32,
     /// Variance of the calibrated residual, square metres; zero without two readings.
     pub residual_variance_m2: f32,
-    /// Variance of the residual's mean by batch means, square metres: what the bias is worth when
-    /// the residual is autocorrelated.
+    /// Variance of the residual's mean by batch means, square metres: the uncertainty of the bias if the
+    /// residual is autocorrelated.
     pub mean_variance_m2: f32,
-    /// Square of the monitor's bound, square metres; zero where there is nothing to monitor with.
+    /// Square of the alarm limit, square metres; zero if the sensor cannot be monitored.
     pub bound_m2: f32,
 }
 
@@ -60,7 +60,7 @@ impl SensorLatch {
         libm::sqrtf(self.mean_variance_m2)
     }
 
-    /// The monitor's bound, metres; zero where there is nothing to monitor with.
+    /// Alarm limit, metres; zero if the sensor cannot be monitored.
     #[must_use]
     pub fn bound_m(&self) -> f32 {
         libm::sqrtf(self.bound_m2)
@@ -70,9 +70,9 @@ impl SensorLatch {
 /// The calibration at launch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LatchRecord {
-    /// Launch: the first edge, where it took until later to confirm it; microseconds.
+    /// Time of launch, microseconds: the first edge, even if it was confirmed later.
     pub time_us: u64,
-    /// For how long was calibrated, seconds.
+    /// Duration of the calibration, seconds.
     pub duration_s: f32,
     /// Bits of [`crate::quality::FailedChecks`].
     pub failed_checks: u16,
@@ -102,7 +102,7 @@ impl LatchRecord {
         if state < states { self.covariance.get(place).copied().unwrap_or(0.0) } else { 0.0 }
     }
 
-    /// Writes the record as version, postcard, CRC-32 and returns the part of `buffer` it takes.
+    /// Writes the record as version, postcard, CRC-32 and returns the part of `buffer` that it occupies.
     /// [`MAX_RECORD_BYTES`] are always enough.
     ///
     /// # Errors
@@ -130,15 +130,15 @@ impl LatchRecord {
     }
 }
 
-/// Where an entry of the upper triangle is, kept row by row; the row is not beyond the column.
+/// Position of an entry in the upper triangle, stored row by row; the row must not exceed the column.
 #[inline(always)]
 pub(crate) const fn place_in_triangle(states: usize, row: usize, column: usize) -> usize {
-    // Rows before, each one shorter than the last, up to the entry on the diagonal.
+    // The rows before, each one entry shorter than the last, then up to the entry on the diagonal.
     row * (2 * states + 1).saturating_sub(row) / 2 + column.saturating_sub(row)
 }
 
-/// The items as a vector. It ends where the vector is full, which no caller reaches: a shape with more
-/// effects than there is room for is refused by `Mission::new`. (heapless's own `extend` panics there.)
+/// The items as a vector, cut off when it is full. No caller gets there: `Mission::new` refuses a shape with
+/// more effects than fit. (heapless's own `extend` panics there.)
 pub(crate) fn collected<T, const N: usize>(items: impl Iterator<Item = T>) -> heapless::Vec<T, N> {
     let mut vector = heapless::Vec::new();
     for item in items {

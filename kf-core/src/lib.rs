@@ -1,4 +1,4 @@
-//! The estimator of Pylon: everything that the flight computer decides.
+//! The estimator of Pylon: every decision of the flight computer.
 //!
 //! It calibrates a UAV's altitude sensors against a reference while the UAV hangs under its mother
 //! ship (captive flight), latches the calibration at launch and watches the sensors in free flight.
@@ -6,12 +6,12 @@
 //! numbers in these docs are that paper's. (Its eq. 14 as printed drops the gain; the form used here
 //! is eq. 7 with the gain of eq. 6.)
 //!
-//! No clock, no hardware type, no heap and no file enters this crate: time is data. Only IEEE-754
-//! additions, multiplications, divisions and `libm` functions are used, so the host and the target
-//! compute the same bits.
+//! This crate uses no clock, no hardware type, no heap and no file: time is data. Only IEEE-754 additions,
+//! multiplications, divisions and `libm` functions are used, so the host and the target compute the same
+//! bits.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
-// Matrix algebra reads best in the indices of its source; the linked image is checked for panics.
+// Matrix algebra is clearest with the indices of its source; the linked image is checked for panics.
 #![allow(clippy::needless_range_loop)]
 
 pub mod atmosphere;

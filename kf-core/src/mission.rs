@@ -1,4 +1,4 @@
-//! One mission, tick by tick: settling, calibration, latch, watch.
+//! One mission, tick by tick: settling, calibration, latch, monitoring.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,23 +25,23 @@ use calibrated::Calibrated;
 use effects::{EffectUse, effect_sum};
 use latching::{Decision, Latching, TakenBack};
 
-/// How often a source's readings were used or not.
+/// How many of a source's readings were used, and why the others were not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SourceCounters {
     /// Readings that were finite, new and moving.
     pub accepted: u32,
-    /// NaN or infinite, or a pressure that is none.
+    /// NaN or infinite, or an invalid pressure.
     pub not_finite: u32,
-    /// A fix held since the last.
+    /// Fixes that repeat the last one: held.
     pub held: u32,
-    /// A sensor that repeats itself.
+    /// Readings of a stuck sensor.
     pub stuck: u32,
     /// Updates that the filter refused.
     pub variance: u32,
-    /// Outliers: too far from what the filter expected; in free flight, fixes that the receiver's own climb
-    /// rate denies.
+    /// Outliers: too far from the filter's prediction; in free flight, fixes that the receiver's own climb
+    /// rate contradicts.
     pub gated: u32,
-    /// Finite, and no aircraft can be there or do that.
+    /// Finite, but no aircraft can be there or do that.
     pub implausible: u32,
 }
 
@@ -60,12 +60,12 @@ impl SourceCounters {
     }
 }
 
-/// Everything that was counted; nothing is left out of a computation without being counted here.
+/// All counters; nothing is left out of a computation without being counted here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counters {
-    /// Ticks taken.
+    /// Ticks processed.
     pub ticks: u32,
-    /// Ticks ignored because their time was not after the last one's.
+    /// Ticks ignored because their time was not after the last tick's.
     pub out_of_order: u32,
     /// The reference.
     pub gps: SourceCounters,
@@ -73,27 +73,28 @@ pub struct Counters {
     pub sensors: [SourceCounters; SENSORS],
     /// Signals that were not finite, or that no aircraft can have.
     pub signals_not_finite: u32,
-    /// Readings taken without an effect that the model has, because its signal was not there.
+    /// Readings corrected without one of the model's effects because its signal was missing.
     pub effects_without_signal: u32,
-    /// Ticks, summed over the effects by formula, at which one had no value though its signals were there: a
-    /// division by zero, the root of a negative number, an overflow. The effect adds nothing at such a tick.
+    /// Ticks, summed over the effects by formula, at which an effect had no value although its signals were
+    /// there: a division by zero, the root of a negative number, an overflow. The effect adds nothing at such
+    /// a tick.
     pub effects_silent: u32,
-    /// Readings and fixes that were corrected by an effect outside of the regressor's range in which its
+    /// Readings and fixes that were corrected by an effect outside the range of the regressor in which its
     /// coefficient was learned.
     pub effects_extrapolated: u32,
-    /// Times that the launch discrete fell back or rose again after launch.
+    /// How often the launch discrete fell or rose again after launch.
     pub launch_repeats: u32,
-    /// Times that the mission went on from a snapshot.
+    /// How often the mission continued from a snapshot.
     pub restarts: u32,
-    /// Times that a launch was suspected and was none. Bounces of one parting, each within 20 ms of the one
-    /// before, are one.
+    /// Suspected launches that were withdrawn. Bounces of one separation, each within 20 ms of the one
+    /// before, count as one.
     pub launch_suspicions: u32,
-    /// Readings in free flight that were not judged, because their error may be the reference's.
+    /// Readings in free flight that were not judged because the reference may have caused their error.
     pub readings_unjudged: u32,
 }
 
-/// A mission from the first tick on. See the crate's documentation for `HEAD` and `TAIL`; `E`
-/// effects are states.
+/// A mission from the first tick on. See the crate's documentation for `HEAD` and `TAIL`; `E` effects are
+/// states.
 #[derive(Clone, Debug)]
 pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     config: MissionConfig<E>,
@@ -107,7 +108,7 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     formulas: Formulas,
     /// Regressors of the estimated effects on the reference, at the last fix.
     fix_regressors_m: [f32; E],
-    /// The last fix that was an outlier: it may be held.
+    /// The last fix that was an outlier: the next one may be the same fix, held.
     gated_fix: Option<GpsFix>,
     stuck: [StuckDetector; SENSORS],
     last_accepted_us: [Option<u64>; SENSORS],
@@ -115,7 +116,7 @@ pub struct Mission<const HEAD: usize, const TAIL: usize, const E: usize> {
     latching: Latching,
     free_flight: FreeFlight,
     cross_check: CrossCheck,
-    /// Made by [`Self::resume`], and no tick since.
+    /// Made by [`Self::resume`], with no tick since.
     is_resumed: bool,
     counters: Counters,
 }
@@ -156,26 +157,26 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         })
     }
 
-    /// The calibration as latched at launch, once there was one.
+    /// The calibration as latched at launch, after launch.
     #[must_use]
     pub fn latch(&self) -> Option<&LatchRecord> {
         self.latching.record().filter(|_| self.latching.is_launched())
     }
 
-    /// Time of the last tick that was taken, microseconds; 0 before the first.
+    /// Time of the last tick processed, microseconds; 0 before the first.
     #[must_use]
     pub const fn last_us(&self) -> u64 {
         self.last_us
     }
 
-    /// What was counted.
+    /// The counters.
     #[must_use]
     pub const fn counters(&self) -> &Counters {
         &self.counters
     }
 
-    /// Takes everything that is new at one tick. Bad input is refused, counted and said in the
-    /// output; it never stops the mission.
+    /// Processes one tick. Bad input is refused, counted and reported in the output; it never stops the
+    /// mission.
     pub fn tick(&mut self, input: &TickInput) -> TickOutput {
         let time_us = input.time_us;
         if self.first_us.is_some() && time_us <= self.last_us {
@@ -253,7 +254,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if input.gps.is_some() {
             self.counters.gps.count(output.gps_rejection);
         }
-        // Once more: the coefficients on the reference may just have moved.
+        // Again: the coefficients of effects on the reference may just have changed.
         let reference_m = if E == 0 { reference_m } else { self.reference_m(time_us) };
         let coefficients = self.coefficients();
         for sensor in Sensor::ALL {
@@ -270,7 +271,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             out.rejection = rejections[i];
             out.innovation_m = surprise.map(|surprise| surprise.innovation_m);
             out.signed_nis = surprise.map(|surprise| surprise.signed_nis);
-            // Outliers are no part of the residual's spread.
+            // Outliers do not count towards the residual's spread.
             let is_residual =
                 refused.is_none() || (refused == Some(Rejection::Gated) && !Guard::RobustSigma.stands());
             if let (Some(reading_m), true) = (readings_m[i], is_residual) {
@@ -294,11 +295,11 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         output
     }
 
-    /// Whether the calibration is one that a sensor can be trusted by. Where the reference had left its own
-    /// climb rate, a source had settled on another level, and more innovations were outliers than may be,
-    /// biases and bounds are of both levels: by how much of the difference they are off is in none of their
-    /// variances. What is beyond such a bound is called so all the same. Without the last of the three the
-    /// levels are the settling time's and the calibration's, which is then of one.
+    /// Whether the calibration is good enough to trust a sensor by. If the reference had left its own climb
+    /// rate, a source had settled on another level, and too many innovations were outliers, then biases and
+    /// alarm limits mix both levels, and none of their variances covers the difference. An error beyond such
+    /// a limit is still flagged. If only the last of the three did not fail, the levels are those of the
+    /// settling time and of the calibration, and the calibration then has a single level.
     #[inline]
     fn has_standard(&self) -> bool {
         const OF_TWO_LEVELS: u16 = 1 << Check::ReferenceConverged as u16
@@ -313,7 +314,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.phase == Phase::Calibrating && !self.latching.is_held()
     }
 
-    /// Takes a fix if it is a measurement, and no outlier.
+    /// Takes a fix if it is a measurement and not an outlier.
     #[inline]
     fn take_fix(&mut self, time_us: u64, fix: &GpsFix) -> Result<AcceptedFix, Rejection> {
         if let Err(rejection) = self.tracker.check(fix) {
@@ -330,7 +331,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
                 return Err(Rejection::Gated);
             }
             if !self.calibration.has_altitude() {
-                // What heights are counted from may have been an outlier.
+                // The fix from which heights are counted may have been an outlier.
                 self.signals.begin_calibration();
                 self.formulas.begin_calibration();
             }
@@ -338,7 +339,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         Ok(self.tracker.accept(time_us, fix))
     }
 
-    /// Counts against a source, in captive flight, what no aircraft can have.
+    /// Counts an implausible value of a source in captive flight.
     fn note_implausible(&mut self, source: Option<Sensor>, rejection: Rejection) {
         if rejection == Rejection::Implausible && self.is_calibrating() {
             self.calibration.note_implausible(source);
@@ -373,9 +374,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         launch
     }
 
-    /// A suspicion was none: captive flight goes on.
+    /// Withdraws a suspicion: captive flight continues.
     fn take_back(&mut self, time_us: u64) {
-        // By the coefficients that are held: after a restart the filter has none.
+        // With the coefficients that are held: after a restart the filter has none.
         self.resume_reference();
         let Latching::Latched { record, decision: Decision::Suspected { has_reacquired, .. } } =
             &self.latching
@@ -389,7 +390,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_add(1);
     }
 
-    /// Makes the latch of what is held.
+    /// Turns the held calibration into the latch.
     fn confirm(&mut self, doubt: LaunchDoubt) {
         while self.check_held() {}
         self.phase = Phase::FreeFlight;
@@ -401,10 +402,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
     }
 
-    /// Copies the calibration at the first edge, and begins the watch.
+    /// Copies the calibration at the first edge and begins monitoring.
     fn hold(&mut self, time_us: u64) {
-        // Contacts that part bounce: all of it is one suspicion, so that what was held at one bounce is good
-        // until the next one's is stored.
+        // Contacts bounce when they part. All bounces are one suspicion, so that the calibration held at one
+        // bounce stays valid until that of the next one is stored.
         if self.latching.bounce(time_us).is_some() {
             self.counters.launch_suspicions = self.counters.launch_suspicions.saturating_sub(1);
         }
@@ -445,8 +446,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.signals.begin_free_flight(time_us);
     }
 
-    /// Makes a part of the checks that a held calibration still lacks; whether it lacks more. Ends: every part
-    /// is made once.
+    /// Evaluates a part of the checks that a held calibration still lacks; true if more remain. This ends,
+    /// because each part is evaluated once.
     fn check_held(&mut self) -> bool {
         let Latching::Latched { record, decision: Decision::Suspected { unchecked, .. } } =
             &mut self.latching
@@ -463,7 +464,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         !is_done
     }
 
-    /// The readings that are measurements, free of constant effects, and why the others are not.
+    /// The readings that are measurements, free of constant effects, and why the others were refused.
     fn take_readings(
         &mut self,
         time_us: u64,
@@ -498,8 +499,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         (readings_m, rejections)
     }
 
-    /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference. False where the error
-    /// was not judged, because it may be the reference's.
+    /// Eq. 16 for one sensor: `residual_m` is the reading less effects and reference. False if the error was
+    /// not judged because the reference may have caused it.
     fn watch(&mut self, sensor: Sensor, time_us: u64, residual_m: f32, output: &mut SensorOutput) -> bool {
         match &self.latching {
             Latching::Latched { record: latch, decision } => {
@@ -534,7 +535,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         true
     }
 
-    /// Eq. 16 without a reference that may be believed: `altitude_m` is the reading less effects.
+    /// Eq. 16 without a credible reference: `altitude_m` is the reading less effects.
     #[cold]
     fn check_each_other(
         &mut self,
@@ -546,7 +547,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.cross_check.take(sensor, time_us, altitude_m - bias_m)
     }
 
-    /// The coefficients: as latched, or as they stand.
+    /// The coefficients: the latched ones, or the current ones before a latch.
     #[inline]
     fn coefficients(&self) -> [f32; E] {
         match self.latching.record() {
@@ -555,10 +556,10 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
     }
 
-    /// What holds whether or not this tick brought anything.
+    /// The part of the output that does not depend on this tick's input.
     fn output(&self, time_us: u64) -> TickOutput {
         let has_standard = self.tracker.is_fresh(time_us) && self.has_standard();
-        // A latched calibration is the latch, whether or not the filter that made it is still there.
+        // A latched calibration is read from the latch, whether or not the filter that made it still exists.
         let calibrated = match self.latching.record() {
             Some(latch) => Calibrated::of_latch(latch),
             None => Calibrated::of_estimator(self.calibration.estimator()),
@@ -577,7 +578,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             },
             rejection: None,
         };
-        // One by one: `map` on the array moves every one of them through memory twice.
+        // One by one: `map` on the array moves each of them through memory twice.
         let [master, slave, baro] = Sensor::ALL;
         let [of_master, of_slave, of_baro] = calibrated.biases;
         let sensors =
@@ -611,7 +612,7 @@ fn split(result: Option<Result<Surprise, FilterError>>) -> (Option<Surprise>, Op
     }
 }
 
-/// Ranges that the rest relies on; sigmas and priors are checked where the filter is made.
+/// Checks the ranges that the rest relies on; sigmas and priors are checked where the filter is made.
 fn check<const E: usize>(config: &MissionConfig<E>) -> Result<(), ConfigError> {
     let not_negative = |x: f32| x.is_finite() && x >= 0.0;
     let positive = |x: f32| x.is_finite() && x > 0.0;

@@ -1,10 +1,11 @@
 //! The monitor of eqs 16 and 17.
 //!
-//! The second criterion weighs the moving average by the share of its window that readings cover. The latched
-//! calibration says that the error was nothing before: what is not covered counts as no error. So a release
-//! transient needs as long for `untrustworthy` as one in the middle of a flight, and so does a failure: a
-//! step is flagged at the same delay whenever it comes. It asks as well that the error has been beyond the
-//! bound for some time: one flipped bit is kilometres, and would carry any average with it.
+//! The second criterion weights the moving average by the share of its window that readings cover. By the
+//! latched calibration the error was zero before launch, so the uncovered part counts as no error. A release
+//! transient therefore needs as long for `untrustworthy` as one in the middle of a flight, and a step is
+//! flagged after the same delay whenever it occurs. The criterion also requires that the error has been
+//! beyond the alarm limit for some time: one flipped bit can be kilometres and would carry any average with
+//! it.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,52 +14,53 @@ use crate::moving_average::{KeptAverage, MovingAverage};
 use crate::output::Trust;
 
 /// A reading covers the time since the one before it, up to this many of the sensor's intervals in captive
-/// flight. With 4 a chip that loses three conversions in four still covers its window, and is judged as
+/// flight. With 4, a chip that loses three conversions in four still covers its window and is judged as
 /// before.
 const INTERVALS_COVERED: f32 = 4.0;
 
-/// For how long one reading covers its window, microseconds, by how many there were in a calibration of
-/// `duration_s` (at least one).
+/// Longest time that one reading covers in its window, microseconds, given the number of readings (at least
+/// one) in a calibration of `duration_s`.
 #[must_use]
 pub fn longest_step_us(duration_s: f32, readings: u32) -> u32 {
     // `as` saturates.
     (INTERVALS_COVERED * 1e6 * duration_s / readings.max(1) as f32) as u32
 }
 
-/// Watches one sensor's error in free flight. Flags latch: doubt is not taken back.
+/// Monitors one sensor's error in free flight. Flags latch: they are never withdrawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monitor {
-    /// Square of the bound: squares are compared, so that a variance needs no root.
+    /// Square of the alarm limit: squares are compared, so that no root of a variance is needed.
     bound_m2: f32,
     average: MovingAverage,
     window_us: u32,
     /// See [`longest_step_us`].
     longest_step_us: u32,
-    /// How much of the window readings cover, microseconds, up to the last part of it that is closed.
+    /// Part of the window that readings cover, microseconds, up to its last closed bin.
     covered_us: u32,
-    /// For how long the error must have been beyond the bound before a sensor is untrustworthy, microseconds.
+    /// Persistence: how long the error must be beyond the alarm limit before a sensor is untrustworthy,
+    /// microseconds.
     persistence_us: u32,
-    /// For how long it has been: what it is within the bound counts back.
+    /// How long it has been beyond the limit, microseconds; time within the limit is subtracted.
     beyond_us: u32,
-    /// When a part was last closed.
+    /// When a bin was last closed.
     last_us: u64,
     trust: Trust,
 }
 
-/// What of a monitor cannot be had again from its bound, window and sensor.
+/// State of a monitor that cannot be recovered from its alarm limit, window and sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptMonitor {
     average: KeptAverage,
     covered_us: u32,
     beyond_us: u32,
-    /// When a part was last closed, by the end of the one that is open: three bytes instead of seven.
+    /// When a bin was last closed, before the end of the open one: three bytes instead of seven.
     closed_before_us: i64,
     trust: Trust,
 }
 
 impl Monitor {
-    /// A monitor with the squared bound `(multiplier * sigma)^2` in square metres, positive and
-    /// finite, and a moving average over `window_us`.
+    /// A monitor with the squared alarm limit `(multiplier * sigma)^2` in square metres, positive and finite,
+    /// and a moving average over `window_us`.
     #[must_use]
     pub fn new(bound_m2: f32, window_us: u64) -> Self {
         Self {
@@ -74,14 +76,16 @@ impl Monitor {
         }
     }
 
-    /// With a time for which the error must be beyond the bound before a sensor is untrustworthy,
-    /// microseconds: one reading that is kilometres off moves the average as far as any failure.
+    /// Sets the persistence, microseconds: the time that the error must be beyond the alarm limit before a
+    /// sensor is untrustworthy. It is needed because one reading that is kilometres off moves the average as
+    /// far as any failure.
     #[must_use]
     pub fn with_persistence(self, persistence_us: u64) -> Self {
         Self { persistence_us: u32::try_from(persistence_us).unwrap_or(u32::MAX), ..self }
     }
 
-    /// Begins anew at `time_us` with another bound, where it is. A reading covers at most `longest_step_us`.
+    /// Starts again at `time_us` with another alarm limit, in place. A reading covers at most
+    /// `longest_step_us`.
     pub fn restart(&mut self, bound_m2: f32, time_us: u64, longest_step_us: u32) {
         self.bound_m2 = bound_m2;
         self.average.restart();
@@ -94,9 +98,9 @@ impl Monitor {
 
     /// Takes the error of eq. 16 (finite, metres) and returns its moving average, metres.
     ///
-    /// `doubtful` once `|error|` exceeds the bound; `untrustworthy` once, after that, `|average|`, weighted
-    /// by the share of the window that readings cover, does, and the error has been beyond the bound for the
-    /// persistence.
+    /// The sensor becomes `doubtful` when `|error|` exceeds the alarm limit. After that it becomes
+    /// `untrustworthy` when `|average|`, weighted by the share of the window that readings cover, exceeds the
+    /// limit and the error has been beyond it for the persistence.
     #[inline(always)]
     pub fn update(&mut self, time_us: u64, error_m: f32) -> f32 {
         if self.average.is_due(time_us) {
@@ -112,7 +116,7 @@ impl Monitor {
         average_m
     }
 
-    /// An average is beyond the bound. Weighted, it is never larger.
+    /// The unweighted average is beyond the alarm limit. The weighted one is never larger.
     #[inline(never)]
     fn judge(&mut self, average_m: f32) {
         let weighted_m = average_m * self.share_covered();
@@ -121,9 +125,9 @@ impl Monitor {
         }
     }
 
-    /// The share and the persistence are kept by the average's parts, not by the reading: that is as good, to
-    /// one part, and once in twelve ticks instead of at each. A part is beyond the bound if the mean of its
-    /// readings is: one that is kilometres off makes it so, but only that part.
+    /// Updates the share and the persistence for each bin of the average, not for each reading: this is
+    /// accurate to one bin, and runs once in twelve ticks instead of at each. A bin is beyond the alarm limit
+    /// if the mean of its readings is. One reading that is kilometres off therefore affects one bin only.
     #[inline(never)]
     fn close_part(&mut self, time_us: u64) {
         let readings = self.average.open_count();
@@ -149,19 +153,19 @@ impl Monitor {
         self.beyond_us >= self.persistence_us || !Guard::FilledWindow.stands()
     }
 
-    /// From 0 to 1, and exactly 1 for a window without a gap.
+    /// Covered share of the window, from 0 to 1, and exactly 1 for a window without a gap.
     #[inline(always)]
     fn share_covered(&self) -> f32 {
         if Guard::FilledWindow.stands() { self.covered_us as f32 / self.window_us as f32 } else { 1.0 }
     }
 
-    /// What the sensor is worth so far.
+    /// Trust in the sensor so far.
     #[must_use]
     pub const fn trust(&self) -> Trust {
         self.trust
     }
 
-    /// Raises a flag that is known from elsewhere; none is ever taken back.
+    /// Raises a flag that was recorded elsewhere; a flag is never withdrawn.
     pub fn raise(&mut self, trust: Trust) {
         match (self.trust, trust) {
             (_, Trust::Untrustworthy) | (Trust::Trusted, Trust::Doubtful) => self.trust = trust,
@@ -179,7 +183,7 @@ impl Monitor {
         }
     }
 
-    /// Goes on from what was kept, with the bound and window that it has.
+    /// Restores the stored state; alarm limit and window stay as they are.
     pub(crate) fn restore(&mut self, kept: &KeptMonitor) {
         self.average.restore(&kept.average);
         self.covered_us = kept.covered_us;
@@ -188,7 +192,7 @@ impl Monitor {
         self.trust = kept.trust;
     }
 
-    /// The squared bound, square metres.
+    /// The squared alarm limit, square metres.
     #[must_use]
     pub const fn bound_m2(&self) -> f32 {
         self.bound_m2
@@ -211,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_ramp_is_doubtful_at_the_bound_and_untrustworthy_half_a_window_later() {
-        // 1 m/s, bound 4 m, window 2 s: doubtful after 4 s, untrustworthy about 1 s later.
+        // 1 m/s, alarm limit 4 m, window 2 s: doubtful after 4 s, untrustworthy about 1 s later.
         let trusts = fly(&mut Monitor::new(16.0, 2_000_000), (0..2_000).map(|k| k as f32 * 0.005));
         let first = |trust| trusts.iter().position(|t| *t == trust).unwrap() as f32 * 0.005;
         assert!((first(Trust::Doubtful) - 4.005).abs() < 0.003, "{}", first(Trust::Doubtful));
@@ -227,15 +231,15 @@ mod tests {
         assert!(trusts[100..].iter().all(|t| *t == Trust::Doubtful));
     }
 
-    /// Of 50 readings a second over a window of 2 s, from 1 s on.
+    /// A sensor of 50 readings a second, with a window of 2 s, from 1 s on.
     fn launched() -> Monitor {
         let mut monitor = Monitor::new(0.0, 2_000_000);
         monitor.restart(81.0, 1_000_000, longest_step_us(60.0, 3_000));
         monitor
     }
 
-    /// Flies the launched monitor at these times (seconds after launch) with an error by the time; says when
-    /// each flag rose.
+    /// Flies the launched monitor at these times (seconds after launch) with an error as a function of time;
+    /// returns when each flag was raised.
     fn flags(times_s: impl Iterator<Item = f64>, error_m: impl Fn(f64) -> f32) -> [Option<f64>; 2] {
         let mut monitor = launched();
         let mut flags = [None; 2];
@@ -263,7 +267,7 @@ mod tests {
             assert!(doubtful.is_some(), "{start_s}");
             assert_eq!(untrustworthy, None, "{start_s}");
         }
-        // After a gap of any length too.
+        // Also after a gap of any length.
         for gap_s in [0.5, 1.0, 1.9, 2.1, 5.0] {
             let times = steadily().filter(|time_s| !(4.0..4.0 + gap_s).contains(time_s));
             let error = |time_s: f64| if (3.99..4.0 + gap_s + 0.06).contains(&time_s) { 20.0 } else { 0.1 };
@@ -274,8 +278,8 @@ mod tests {
     #[test]
     fn a_failure_is_flagged_with_the_same_delay_at_launch_later_and_after_a_gap() {
         let step = |start_s: f64| move |time_s: f64| if time_s > start_s { 30.0_f32 } else { 0.0 };
-        // 30 m in a share of 0.3 of the window are the bound of 9 m: 0.6 s, and up to a part of the window
-        // (0.0625 s) more.
+        // 30 m in a share of 0.3 of the window reach the alarm limit of 9 m: 0.6 s, plus up to one bin
+        // (0.0625 s).
         for start_s in [0.0, 0.3, 1.0, 7.0] {
             let delay_s = flags(steadily(), step(start_s))[1].unwrap() - start_s;
             assert!((0.58..=0.68).contains(&delay_s), "{start_s}: {delay_s}");
@@ -283,11 +287,11 @@ mod tests {
         for gap_s in [0.5, 1.0, 1.9, 3.0] {
             let times = steadily().filter(|time_s| !(4.0..4.0 + gap_s).contains(time_s));
             let delay_s = flags(times, step(4.0 + gap_s))[1].unwrap() - 4.0 - gap_s;
-            // The share counts a gap until as much again is covered, the average until it has left the
-            // window: sooner, by a third at most.
+            // A gap affects the share until as much time is covered again, and the average until it has left
+            // the window: earlier, by a third at most.
             assert!((0.4..=0.68).contains(&delay_s), "{gap_s}: {delay_s}");
         }
-        // A sensor that delivers a quarter of its readings only is as quick.
+        // A sensor that delivers only a quarter of its readings is flagged as quickly.
         let delay_s = flags((1..250).map(|k| f64::from(k) * 0.08), step(7.0))[1].unwrap() - 7.0;
         assert!((0.58..=0.72).contains(&delay_s), "{delay_s}");
     }
@@ -326,7 +330,7 @@ mod tests {
             let flagged = flags(&|k| if k >= start { 30.0 } else { 0.5 }).unwrap();
             assert!((62..=63).contains(&(flagged - start)), "{start} {flagged}");
         }
-        // 2 m/s: beyond the bound from 4.5 s on, the average from 5.5 s on.
+        // 2 m/s: beyond the alarm limit from 4.5 s on, the average from 5.5 s on.
         let flagged = flags(&|k| k as f32 * 0.04).unwrap();
         assert!((275..=290).contains(&flagged), "{flagged}");
     }

@@ -5,12 +5,12 @@ use core::fmt::{self, Formatter};
 use serde::de::{Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// How many parts the window is divided into.
+/// Number of bins into which the window is divided.
 const PARTS: u64 = 32;
-/// How many of them are closed; one is being filled.
+/// Number of closed bins; one more is being filled.
 const CLOSED: usize = 31;
 
-/// Sum of the samples that fell into one part of the window, or into several.
+/// Sum of the samples in one bin of the window, or in several.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Bin {
     sum: f32,
@@ -19,7 +19,7 @@ struct Bin {
     count: f32,
 }
 
-/// A count that is kept as f32, in one to four bytes instead of always four.
+/// A count that is held as f32 but stored in one to four bytes instead of always four.
 mod whole_number {
     use serde::{Deserialize, Deserializer, Serializer};
 
@@ -33,7 +33,8 @@ mod whole_number {
     }
 }
 
-/// The closed bins. As a loop: serde's own for an array is the element's code as often as there are elements.
+/// The closed bins. A loop, because serde's own implementation for an array repeats the code for each
+/// element.
 fn bins<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[Bin; CLOSED], D::Error> {
     struct Bins;
 
@@ -72,17 +73,17 @@ impl Bin {
 
 /// Mean of the samples of the last `window`, at any sample rate, at constant cost and memory.
 ///
-/// The window is kept as 32 bins; the oldest leaves as a whole, so the mean covers between 31/32 of
-/// the window and all of it. The running total of the closed bins is replaced, each time that the
-/// ring has gone round, by a sum that was begun when it last had: f32 rounding lives for two windows
-/// at most, however long it runs.
+/// The window is kept as 32 bins. The oldest one is dropped as a whole, so the mean covers between 31/32 of
+/// the window and all of it. Each time the ring has gone round, the running total of the closed bins is
+/// replaced by a sum that was started one turn earlier: f32 rounding errors last for two windows at most,
+/// however long it runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingAverage {
     bins: KeptAverage,
     bin_us: u64,
 }
 
-/// What of a moving average cannot be had again from its window.
+/// State of a moving average that cannot be recovered from its window.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct KeptAverage {
     open: Bin,
@@ -115,7 +116,7 @@ impl MovingAverage {
         Self { bins: KeptAverage::EMPTY, bin_us: (window_us / PARTS).max(1) }
     }
 
-    /// Forgets every sample, where it is.
+    /// Clears every sample, in place.
     pub fn restart(&mut self) {
         let bins = &mut self.bins;
         bins.open = Bin::EMPTY;
@@ -143,13 +144,13 @@ impl MovingAverage {
         self.add_to_open(sample)
     }
 
-    /// Whether the open bin has to be closed before a sample of that time is added.
+    /// Whether the open bin must be closed before a sample of this time is added.
     #[inline(always)]
     pub(crate) const fn is_due(&self, time_us: u64) -> bool {
         time_us >= self.bins.open_ends_us
     }
 
-    /// [`Self::add`] where nothing is due.
+    /// [`Self::add`] if no bin is due.
     #[inline(always)]
     pub(crate) fn add_to_open(&mut self, sample: f32) -> f32 {
         self.bins.open.sum += sample;
@@ -162,7 +163,7 @@ impl MovingAverage {
         self.bins.open.count as u32
     }
 
-    /// Mean of the open bin's samples; NaN where there is none.
+    /// Mean of the open bin's samples; NaN if it is empty.
     pub(crate) const fn open_mean(&self) -> f32 {
         self.bins.open.sum / self.bins.open.count
     }
@@ -177,14 +178,14 @@ impl MovingAverage {
         u32::try_from(self.bin_us).unwrap_or(u32::MAX)
     }
 
-    /// Mean of the window's samples; NaN where there is none.
+    /// Mean of the window's samples; NaN if it is empty.
     #[inline(always)]
     pub(crate) fn mean(&self) -> f32 {
         let KeptAverage { open, closed, .. } = &self.bins;
         (closed.sum + open.sum) / (closed.count + open.count)
     }
 
-    /// Moves on to the bin that holds `time_us`: the next one, but after a gap.
+    /// Advances to the bin that contains `time_us`: the next one, except after a gap.
     #[inline(never)]
     pub(crate) fn close_bins(&mut self, time_us: u64) {
         self.close_bin();
@@ -197,13 +198,13 @@ impl MovingAverage {
     fn catch_up(&mut self, time_us: u64) {
         let late_us = time_us.saturating_sub(self.bins.open_ends_us);
         if late_us >= self.bin_us.saturating_mul(PARTS - 1) {
-            // The first sample, or the first after nothing for longer than the window: every bin is empty by
-            // now, and what rounding left in the total goes with them.
+            // The first sample, or the first after a gap longer than the window: every bin is empty by now,
+            // and the rounding error of the total is cleared with them.
             self.restart();
             self.bins.open_ends_us = time_us.wrapping_add(self.bin_us);
             return;
         }
-        // At most 31 times, whatever the clock reads: the bins' ends wrap with it.
+        // At most 31 times, whatever the clock reads: the bins' ends wrap with the clock.
         for _ in 1..PARTS {
             if time_us < self.bins.open_ends_us {
                 return;
@@ -247,7 +248,7 @@ mod tests {
             last = average.add(k * 5_000, k as f32 * 0.005);
         }
         let lag = 3_999.0 * 0.005 - last;
-        // 31/32 to all of the window, at either end one sample.
+        // 31/32 to all of the window, with one sample at either end.
         assert!(lag > 1.5 * 31.0 / 32.0 - 0.005 && lag < 1.5 + 0.005, "{lag}");
     }
 
@@ -263,8 +264,8 @@ mod tests {
         assert_eq!(last, 0.25);
     }
 
-    /// Ends of bins wrap at the end of 64 bits of microseconds: what is said then is of no use, but it is
-    /// said.
+    /// The ends of bins wrap at the end of 64 bits of microseconds: the result is then useless, but there is
+    /// one.
     #[test]
     fn a_clock_at_its_end_is_survived() {
         let mut average = MovingAverage::new(3_200_000);
@@ -276,7 +277,7 @@ mod tests {
     proptest! {
         #[test]
         fn agrees_with_the_exact_mean_of_a_window_between_31_and_32_parts(
-            // Gaps up to that of the whole window, and beyond, among many samples.
+            // Gaps up to the length of the whole window, and beyond, among many samples.
             steps in prop::collection::vec(
                 (prop_oneof![9 => 1_u64..400_000, 1 => 2_800_000_u64..3_600_000], -100.0_f32..100.0),
                 1..300,

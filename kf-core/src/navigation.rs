@@ -1,60 +1,59 @@
-//! The UAV's own altitude, where no unit delivers one: made from its inertial samples.
+//! The UAV's own altitude from its inertial samples, for when no unit delivers one.
 //!
-//! Sits between the sensors and the mission: [`InertialAltitude::tick`] takes a tick's input and fills
+//! This runs between the sensors and the mission: [`InertialAltitude::tick`] takes a tick's input and fills
 //! [`TickInput::imu_slave_altitude_m`] from the strapdown vertical channel, which it levels and ties to the
-//! reference in captive flight. From the first tick of a suspected launch on the channel takes no reference,
-//! but to mend a gap between its samples; if it was no launch it goes on as before.
+//! reference in captive flight. From the first tick of a suspected launch the channel takes no reference,
+//! except to mend a gap between its samples. If the suspicion is withdrawn, it continues as before.
 //!
-//! One calibration is of one source. Where an altitude comes from outside before the channel is aligned, the
-//! channel is never asked; where the channel has spoken first, an altitude from outside is not used any more,
-//! and counted.
+//! A calibration uses one source only. If an altitude comes from outside before the channel is aligned, the
+//! channel is never used. If the channel has delivered first, altitudes from outside are counted and ignored.
 //!
-//! Before launch the channel's altitude follows the reference, so its bias is nothing and its spread is the
-//! reference's; what the calibration says of this sensor is not how far it can be trusted in free flight.
-//! There it drifts as [`crate::strapdown`] says.
+//! Before launch the channel's altitude follows the reference, so its bias is zero and its spread is the
+//! reference's. The calibration of this sensor therefore does not show how far it can be trusted in free
+//! flight. There it drifts as described in [`crate::strapdown`].
 
 use crate::input::{GpsFix, LaunchDoubt, TickInput};
 use crate::reading::is_held;
 use crate::strapdown::{Config, KeptChannel, VerticalChannel};
 use serde::{Deserialize, Serialize};
 
-/// Time between two altitudes of the channel, microseconds. Neighbouring ones differ by the integral of the
-/// same noise: more often would only look like more information.
+/// Time between two altitudes of the channel, microseconds. Successive ones differ by the integral of the
+/// same noise: a higher rate would only look like more information.
 const INTERVAL_US: u64 = 50_000;
 
-/// Square of how far, in captive flight, the channel's climb rate may be from a fix's, beside three of its
-/// own sigmas, (m/s)^2: 3 m/s. A fix's is known to 0.2 m/s, and what it is late by (0.2 s) is 1 m/s in the
-/// roughest air.
+/// Square of the largest difference between the channel's climb rate and a fix's in captive flight, in
+/// addition to three of its own sigmas, (m/s)^2: 3 m/s. A fix's climb rate is known to 0.2 m/s, and its delay
+/// (0.2 s) costs 1 m/s in the roughest air.
 const DENIED_M2PS2: f32 = 9.0;
 const DENIED_SIGMAS_SQUARED: f32 = 9.0;
-/// Denied for so long, microseconds, it is tied anew: what moved it, or the receiver, was no transient of a
-/// second.
+/// Time after which a denied channel is tied again, microseconds: whatever moved it, or the receiver, was no
+/// transient of a second.
 const LONGEST_DENIED_US: u64 = 2_000_000;
 
-/// Who delivers the altitude.
+/// Source of the altitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AltitudeSource {
-    /// Nobody yet.
+    /// No source yet.
     #[default]
     None,
-    /// A unit of its own.
+    /// A separate unit.
     Outside,
     /// The strapdown channel.
     Channel,
 }
 
-/// What was counted; the channel's own counts are [`VerticalChannel::counts`]. All saturate.
+/// Counters; the channel's own are [`VerticalChannel::counts`]. All saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NavigationCounts {
     /// Altitudes that the channel delivered.
     pub delivered: u32,
-    /// Altitudes from outside that were not used, because the channel had spoken first.
+    /// Altitudes from outside that were ignored because the channel had delivered first.
     pub outside_ignored: u32,
     /// Fixes that the channel refused, for their altitude or their velocity.
     pub fixes_refused: u32,
 }
 
-/// What is kept over a restart from the first suspicion of a launch on.
+/// State kept over a restart, from the first suspicion of a launch on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptInertial {
     channel: KeptChannel,
@@ -62,22 +61,22 @@ pub struct KeptInertial {
     is_launched: bool,
 }
 
-/// Makes the altitude; see the module.
+/// Provides the altitude; see the module.
 #[derive(Clone, Debug)]
 pub struct InertialAltitude {
     channel: VerticalChannel,
     source: AltitudeSource,
     last_fix: Option<GpsFix>,
-    /// When [`Self::last_fix`] came, if the channel is to have it yet.
+    /// When [`Self::last_fix`] came, if the channel has not taken it yet.
     due_us: Option<u64>,
     said_us: Option<u64>,
     is_launched: bool,
     /// Launched, or suspected to be.
     is_off: bool,
-    /// The last fix before the launch climbs otherwise than the channel. Nobody knows which of the two is
-    /// wrong, so there is nothing to calibrate with: the altitude would follow a unit that falls by itself
-    /// within the gates of all that take it. At a launch the channel speaks again: whether it is right is
-    /// what it is then watched for.
+    /// The climb rates of the channel and of the last fix before the launch disagree. It is unknown which is
+    /// wrong, so nothing is delivered for calibration: otherwise the altitude of a unit that reads free fall
+    /// would be followed within the gates of everything that uses it. After a launch the channel delivers
+    /// again: the monitor then finds whether it is right.
     is_denied: bool,
     /// Since when, microseconds.
     denied_us: u64,
@@ -85,7 +84,7 @@ pub struct InertialAltitude {
 }
 
 impl InertialAltitude {
-    /// Before the first tick.
+    /// The state before the first tick.
     #[must_use]
     pub fn new(config: Config) -> Self {
         Self {
@@ -102,7 +101,7 @@ impl InertialAltitude {
         }
     }
 
-    /// What a restart goes on from; `None` in captive flight, and where there is nothing to keep.
+    /// State from which a restart continues; `None` in captive flight and if there is nothing to store.
     #[must_use]
     pub fn kept(&self) -> Option<KeptInertial> {
         match self.source {
@@ -115,8 +114,8 @@ impl InertialAltitude {
         }
     }
 
-    /// As it was kept; `unknown_s` is how much longer than the clock has it the interruption may have been,
-    /// seconds. `None` if what was kept is no channel.
+    /// Restores the stored state. `unknown_s`: how much longer than the clock shows the interruption may have
+    /// been, seconds. `None` if the stored channel is invalid.
     #[must_use]
     pub fn resumed(config: Config, kept: &KeptInertial, unknown_s: f32) -> Option<Self> {
         Some(Self {
@@ -129,7 +128,7 @@ impl InertialAltitude {
         })
     }
 
-    /// Who delivers the altitude.
+    /// Source of the altitude.
     #[must_use]
     pub const fn source(&self) -> AltitudeSource {
         self.source
@@ -141,14 +140,14 @@ impl InertialAltitude {
         &self.channel
     }
 
-    /// What was counted.
+    /// The counters.
     #[must_use]
     pub const fn counts(&self) -> &NavigationCounts {
         &self.counts
     }
 
-    /// Takes a tick before the mission does, and fills in the UAV's inertial altitude (metres, the
-    /// reference's datum) where it is this one's to say. Every tick must be shown, in order.
+    /// Processes a tick before the mission does, and fills in the UAV's inertial altitude (metres, the
+    /// reference's datum) if the channel is its source. Must be called for every tick, in order.
     pub fn tick(&mut self, input: &mut TickInput) {
         if self.source == AltitudeSource::None && input.imu_slave_altitude_m.is_some() {
             self.source = AltitudeSource::Outside;
@@ -159,7 +158,7 @@ impl InertialAltitude {
         self.take_due_fix();
         self.follow_launch(input);
         let has_sample = input.imu.is_some_and(|imu| {
-            // A refused sample is counted by the channel.
+            // The channel counts a refused sample.
             self.channel.inertial(input.time_us, &imu).is_ok()
         });
         if let Some(fix) = input.gps {
@@ -169,8 +168,8 @@ impl InertialAltitude {
             self.counts.outside_ignored = self.counts.outside_ignored.saturating_add(1);
         }
         let is_due = self.said_us.is_none_or(|said_us| input.time_us.saturating_sub(said_us) >= INTERVAL_US);
-        // Not at a fix's own tick: the mission holds the altitude against that fix, which the channel does
-        // not have yet.
+        // Not at a fix's own tick: the mission compares the altitude with that fix, which the channel has not
+        // taken yet.
         let may_speak = has_sample && is_due && self.due_us.is_none() && (self.is_off || !self.is_denied);
         if let (true, Some(altitude_m)) = (may_speak, self.channel.altitude_m()) {
             self.source = AltitudeSource::Channel;
@@ -193,8 +192,8 @@ impl InertialAltitude {
         self.is_off = is_off;
     }
 
-    /// Holds the channel's climb rate against a fix's (metres, m/s), until the launch. True if they have
-    /// contradicted each other for so long that the channel is tied to the fix anew.
+    /// Compares the channel's climb rate with a fix's (metres, m/s), until the launch. True if they have
+    /// contradicted each other for so long that the channel is tied to the fix again.
     fn is_retied_to(&mut self, time_us: u64, altitude_m: f32, climb_mps: f32) -> bool {
         let Some((own_mps, variance_m2ps2)) = self.channel.tied_climb_rate() else { return false };
         let apart_mps = own_mps - climb_mps;
@@ -211,8 +210,7 @@ impl InertialAltitude {
         self.channel.retie(time_us, altitude_m, climb_mps).is_ok()
     }
 
-    /// A fix is the reference in captive flight, and while a gap is mended: new, not held, and of finite
-    /// numbers.
+    /// Records a new fix that is not held: the reference in captive flight and while a gap is mended.
     fn note_fix(&mut self, time_us: u64, fix: &GpsFix) {
         if self.last_fix.as_ref().is_none_or(|last| !is_held(fix, last)) {
             self.last_fix = Some(*fix);
@@ -220,8 +218,8 @@ impl InertialAltitude {
         }
     }
 
-    /// The channel takes a fix at the next tick, before anything that is new there, and so is as it would be
-    /// after the tick that had the fix. That one is dear enough without it.
+    /// The channel takes a fix at the next tick, before any new input there, with the same result as after
+    /// the fix's own tick. That tick is expensive enough without it.
     fn take_due_fix(&mut self) {
         let Some(time_us) = self.due_us.take() else { return };
         let Some(fix) = self.last_fix else { return };
@@ -233,7 +231,7 @@ impl InertialAltitude {
             return;
         }
         let mut is_taken = is_retied || self.channel.reference(time_us, fix.altitude_m).is_ok();
-        // Once its altitude has mended the gap nobody asks for its climb rate.
+        // Once its altitude has mended the gap, its climb rate is not needed.
         if let (true, true, Some(down_mps)) = (self.is_off, self.channel.is_mending(), fix.velocity_down_mps)
         {
             is_taken &= self.channel.climb_rate_fix(time_us, -down_mps).is_ok();

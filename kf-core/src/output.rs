@@ -1,11 +1,11 @@
-//! What the estimator says after one tick.
+//! Output of the estimator after one tick.
 
 use serde::{Deserialize, Serialize};
 
 use crate::config::MAX_ESTIMATED_EFFECTS;
 use crate::sensor::SENSORS;
 
-/// Where in the mission a tick lies.
+/// Phase of the mission at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Phase {
     /// The first seconds of captive flight, ignored.
@@ -16,19 +16,19 @@ pub enum Phase {
     FreeFlight,
 }
 
-/// What a sensor's reading is worth.
+/// Trust in a sensor's readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Trust {
-    /// Captive flight: nothing has been promised yet.
+    /// Captive flight: no assessment yet.
     Calibrating,
-    /// Launched, and within bounds so far.
+    /// Launched, and within the alarm limit so far.
     Trusted,
-    /// The error has once been beyond the bound (eq. 17, left).
+    /// The error has been beyond the alarm limit once (eq. 17, left).
     Doubtful,
-    /// After that, the moving average has been beyond the bound (eq. 17, right).
+    /// After that, the moving average has been beyond the alarm limit (eq. 17, right).
     Untrustworthy,
-    /// There is no reference to watch the sensor against, or none that may be believed, or the calibration is
-    /// of a reference that had moved: not known.
+    /// Unknown: there is no reference to compare the sensor with, or no credible one, or the reference had
+    /// moved during the calibration.
     Unmonitored,
 }
 
@@ -49,18 +49,18 @@ impl Trust {
 /// Why a reading was not used at this tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Rejection {
-    /// NaN or infinite, or a pressure that is none.
+    /// NaN or infinite, or an invalid pressure.
     NotFinite,
     /// The reading has been the same, to the bit, for too long.
     Stuck,
-    /// A fix that was held since the last.
+    /// A fix that repeats the last one.
     Held,
     /// The filter refused the update: its innovation variance was not positive and finite.
     Variance,
-    /// Too far from what the filter expects: an outlier; in free flight, a fix that the receiver's own climb
-    /// rate denies.
+    /// Too far from the filter's prediction: an outlier; in free flight, a fix that the receiver's own climb
+    /// rate contradicts.
     Gated,
-    /// Finite, and no aircraft can be there or do that ([`crate::plausible`]).
+    /// Finite, but no aircraft can be there or do that ([`crate::plausible`]).
     Implausible,
 }
 
@@ -69,16 +69,16 @@ pub enum Rejection {
 pub struct SensorOutput {
     /// Estimated (later: latched) bias, metres.
     pub bias_m: f32,
-    /// Its variance by the filter, square metres.
+    /// The filter's variance of the bias, square metres.
     pub bias_variance_m2: f32,
     /// Innovation of this tick's update (reading minus prediction), metres.
     pub innovation_m: Option<f32>,
-    /// Normalised innovation squared, signed as the innovation.
+    /// Normalised innovation squared, with the sign of the innovation.
     pub signed_nis: Option<f32>,
     /// Sensor error of eq. 16 at this tick: reading minus bias, effects and reference, metres.
     pub error_m: Option<f32>,
-    /// Moving average of the error over the monitor's window, metres; free flight only, and only where the
-    /// error was judged: one that may be the reference's is not.
+    /// Moving average of the error over the monitor's window, metres; only in free flight, and only if the
+    /// error was judged, not if the reference may have caused it.
     pub moving_average_m: Option<f32>,
     /// Trust.
     pub trust: Trust,
@@ -86,15 +86,15 @@ pub struct SensorOutput {
     pub rejection: Option<Rejection>,
 }
 
-/// Whether the two sensors that fly free agree with each other while the reference is lost or suspect.
+/// Whether the two sensors of free flight agree with each other while the reference is lost or suspect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Agreement {
-    /// Within both bounds so far.
+    /// Within the alarm limit so far.
     Agree,
-    /// The difference has once been beyond them (as [`Trust::Doubtful`]).
+    /// The difference has been beyond it once (as [`Trust::Doubtful`]).
     Doubtful,
-    /// After that, its moving average has (as [`Trust::Untrustworthy`]): one of the two is wrong, and
-    /// nothing says which.
+    /// After that, its moving average has (as [`Trust::Untrustworthy`]): one of the two is wrong, but it is
+    /// unknown which.
     Disagree,
 }
 
@@ -118,7 +118,7 @@ pub struct CrossCheckOutput {
     pub difference_m: f32,
     /// Its moving average over the monitor's window, metres.
     pub moving_average_m: f32,
-    /// By the rule of eq. 17 with the sum of both squared bounds. It latches.
+    /// By the rule of eq. 17 with the sum of both squared alarm limits. It latches.
     pub agreement: Agreement,
 }
 
@@ -131,16 +131,16 @@ pub struct CoefficientOutput {
     pub variance: f32,
 }
 
-/// Everything that one tick says.
+/// Everything that one tick reports.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickOutput {
-    /// Time of the tick, as it came in, microseconds.
+    /// Time of the tick as received, microseconds.
     pub time_us: u64,
-    /// The tick's time was not after the last one's: the tick was counted and otherwise ignored.
+    /// The tick's time was not after the last tick's: it was counted and otherwise ignored.
     pub out_of_order: bool,
     /// Phase of the mission.
     pub phase: Phase,
-    /// True at the one tick at which the calibration was latched.
+    /// True only at the tick at which the calibration was latched.
     pub latched_now: bool,
     /// Names of failed checks of the latched calibration, one bit each.
     pub failed_checks: u16,
@@ -150,20 +150,20 @@ pub struct TickOutput {
     pub altitude_variance_m2: f32,
     /// Innovation of this tick's fix, metres.
     pub gps_innovation_m: Option<f32>,
-    /// Normalised innovation squared of this tick's fix, signed as the innovation.
+    /// Normalised innovation squared of this tick's fix, with the sign of the innovation.
     pub gps_signed_nis: Option<f32>,
     /// Why this tick's fix was not used, if it was not.
     pub gps_rejection: Option<Rejection>,
     /// The sensors, in the order of [`crate::sensor::Sensor`].
     pub sensors: [SensorOutput; SENSORS],
-    /// Effects that a reading or fix of this tick was corrected by outside of
+    /// Effects that corrected a reading or fix of this tick outside
     /// [`crate::effect::EffectTerm::envelope_m`]: the estimated ones from bit 0 on, in the model's order, the
     /// constant ones from bit [`MAX_ESTIMATED_EFFECTS`] on.
     pub extrapolated: u16,
-    /// The sensors against each other, in free flight while the reference is lost or suspect.
+    /// Check of the sensors against each other, in free flight while the reference is lost or suspect.
     pub cross_check: Option<CrossCheckOutput>,
-    /// At the first tick after [`crate::mission::Mission::restore_snapshot`]: the time that nothing is known
-    /// of, microseconds, from the last tick of the snapshot to this one.
+    /// At the first tick after [`crate::mission::Mission::restore_snapshot`]: the time without data,
+    /// microseconds, from the last tick of the snapshot to this one.
     pub bridged_us: Option<u64>,
     /// The estimated coefficients, in the model's order.
     pub coefficients: heapless::Vec<CoefficientOutput, MAX_ESTIMATED_EFFECTS>,

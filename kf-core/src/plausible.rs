@@ -1,20 +1,20 @@
-//! What no aircraft can be, do or feel: finite numbers outside of these ranges are refused and counted before
-//! anything believes them.
+//! Physical limits of an aircraft: finite numbers outside these ranges are refused and counted before
+//! anything uses them.
 //!
-//! The ranges are physical or those of the instruments, and wide: what is merely unlikely is the innovation
-//! gate's to refuse.
+//! The ranges are those of physics or of the instruments, and wide: the innovation gate refuses what is
+//! merely unlikely.
 
 use crate::guard::Guard;
 use crate::input::{GpsFix, ImuSample};
 use crate::output::Rejection;
 
-/// Within, or, with the guard taken out, at least finite. NaN is within nothing.
+/// Within the range, or, with the guard removed, at least finite. NaN is in no range.
 #[inline]
 fn is_within(value: f32, least: f32, largest: f32) -> bool {
     if Guard::PlausibleReading.stands() { value >= least && value <= largest } else { value.is_finite() }
 }
 
-/// Why a value is refused, if it is.
+/// The reason for refusing a value, if any.
 #[inline]
 fn refusal(is_finite: bool, is_plausible: bool) -> Option<Rejection> {
     match (is_finite, is_plausible) {
@@ -25,15 +25,15 @@ fn refusal(is_finite: bool, is_plausible: bool) -> Option<Rejection> {
 }
 
 /// An altitude, metres: the lowest land is at -430 m, where the highest pressure ever recorded (1,084 hPa at
-/// sea level) reads as 560 m less; no wing carries anything at 100 km.
+/// sea level) reads as 560 m less; no wing flies at 100 km.
 #[must_use]
 #[inline]
 pub fn altitude(altitude_m: f32) -> Option<Rejection> {
     refusal(altitude_m.is_finite(), is_within(altitude_m, -1_000.0, 100_000.0))
 }
 
-/// A velocity over ground or through the air, m/s: civil receivers give none beyond 515 m/s (the export limit
-/// of 1,000 knots).
+/// A velocity over ground or through the air, m/s: civil receivers report none beyond 515 m/s (the export
+/// limit of 1,000 knots).
 #[must_use]
 #[inline]
 pub fn velocity(velocity_mps: f32) -> bool {
@@ -64,15 +64,15 @@ pub fn flow_angle(angle_rad: f32) -> bool {
     is_within(angle_rad, -core::f32::consts::PI, core::f32::consts::PI)
 }
 
-/// A throttle of 0 to 1; reversed -1, and some overshoot of the scale.
+/// A throttle of 0 to 1; -1 when reversed, with some overshoot of the scale.
 #[must_use]
 #[inline]
 pub fn throttle(throttle: f32) -> bool {
     is_within(throttle, -1.5, 1.5)
 }
 
-/// A temperature, degrees Celsius: the coldest air ever recorded (-94 above the tropics' tropopause), and
-/// what electronics survive.
+/// A temperature, degrees Celsius: from the coldest air ever recorded (-94 above the tropics' tropopause) to
+/// the highest that electronics survive.
 #[must_use]
 #[inline]
 pub fn temperature(temperature_c: f32) -> bool {

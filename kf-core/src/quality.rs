@@ -1,6 +1,6 @@
-//! The named checks that decide how a calibration is labelled.
+//! The named checks that decide the quality of a calibration.
 //!
-//! A launch cannot be refused: a calibration that fails checks is latched as such.
+//! A launch cannot be refused: a calibration with failed checks is latched together with them.
 
 /// A check of the calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,29 +10,29 @@ pub enum Check {
     Settled = 0,
     /// The calibration lasted long enough.
     LongEnough = 1,
-    /// The altitude was quiet.
+    /// The altitude was steady.
     TrimmedAltitude = 2,
-    /// The airspeed was quiet.
+    /// The airspeed was steady.
     TrimmedAirspeed = 3,
     /// The reference's own altitude had converged: it neither drifted nor jumped against its integrated climb
-    /// rate, nor did all sensors drift against it alike, and the receiver itself reports accuracy and
-    /// satellites.
+    /// rate, the sensors did not all drift against it alike, and the receiver's reported accuracy and
+    /// satellites were good enough.
     ReferenceConverged = 4,
-    /// The reference was there all through the calibration and at launch.
+    /// The reference was available throughout the calibration and at launch.
     ReferenceFresh = 5,
     /// No bias drifted.
     BiasesStationary = 6,
-    /// Innovations were as large as the model says.
+    /// Innovations were as large as the model predicts.
     InnovationsPlausible = 7,
-    /// Every number was finite, and time increased.
+    /// Every number was finite, and time always increased.
     InputsValid = 8,
-    /// A sensor that flies free was delivering, and none was stuck or had gone silent.
+    /// A sensor that leaves with the UAV was delivering, and none was stuck or silent.
     SensorsAlive = 9,
-    /// The launch itself was confirmed by more than the umbilical's wire.
+    /// More than the umbilical's wire confirmed the launch.
     LaunchConfirmed = 10,
-    /// No source had more of its readings refused as implausible or as outliers than may be implausible, none
-    /// has settled on another level in mid-calibration or in the settling time, and no bias is beyond what
-    /// its prior allows.
+    /// For every source, the share of readings refused as implausible or as outliers was within its limit;
+    /// none had settled on another level during the calibration or the settling time; and every bias is
+    /// within what its prior allows.
     ReadingsConsistent = 11,
 }
 
@@ -78,26 +78,26 @@ impl Check {
 pub struct FailedChecks(u16);
 
 impl FailedChecks {
-    /// From the bits of [`Self::bits`].
+    /// Failed checks from the bits of [`Self::bits`].
     #[must_use]
     pub const fn from_bits(bits: u16) -> Self {
         Self(bits)
     }
 
-    /// One bit a check, in the order of [`Check::ALL`].
+    /// One bit for each check, in the order of [`Check::ALL`].
     #[must_use]
     pub const fn bits(self) -> u16 {
         self.0
     }
 
-    /// Notes the outcome of a check.
+    /// Records the outcome of a check.
     pub fn note(&mut self, check: Check, passed: bool) {
         if !passed {
             self.0 |= 1 << check as u8;
         }
     }
 
-    /// Puts the outcome of a check in the place of what was noted of it before.
+    /// Replaces the recorded outcome of a check.
     pub fn settle(&mut self, check: Check, passed: bool) {
         self.0 &= !(1 << check as u8);
         self.note(check, passed);
@@ -109,7 +109,7 @@ impl FailedChecks {
         self.0 & (1 << check as u8) != 0
     }
 
-    /// Whether the calibration is good: none failed.
+    /// Whether the calibration is good: no check failed.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0 == 0

@@ -1,20 +1,20 @@
-//! Readings that are not measurements: values that are held or stuck.
+//! Readings that are not measurements: held or stuck values.
 
 use serde::{Deserialize, Serialize};
 
 use crate::input::GpsFix;
 
-/// A sensor is stuck when it has repeated every bit for this long, microseconds...
+/// A sensor is stuck if it has repeated every bit for this long, microseconds...
 const STUCK_AFTER_US: u64 = 2_000_000;
 /// ... and for this many readings.
 const STUCK_AFTER_READINGS: u32 = 20;
 
-/// Recognises a sensor that repeats itself.
+/// Detects a sensor that repeats itself.
 ///
-/// A reading that repeats is no proof: a coarse sensor in level flight repeats honestly. It is stuck
-/// when the repetition has lasted, and either the sensor is known to resolve less than half its noise
-/// (then equal readings are as good as impossible), or the reference has meanwhile moved by more than
-/// three sigmas of both.
+/// A repeated reading is no proof: a coarse sensor in level flight legitimately repeats. It is stuck if the
+/// repetition has lasted, and either the sensor is known to resolve less than half its noise (then equal
+/// readings are practically impossible), or the reference has meanwhile moved by more than three sigmas of
+/// both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StuckDetector {
     last: Option<f32>,
@@ -25,7 +25,7 @@ pub struct StuckDetector {
 }
 
 impl StuckDetector {
-    /// Takes a finite reading and says whether the sensor is stuck.
+    /// Takes a finite reading and returns whether the sensor is stuck.
     ///
     /// `reference_m` is the reference's altitude now, if there is one; the sigmas are those of one
     /// reading and one fix, metres.
@@ -54,15 +54,15 @@ impl StuckDetector {
             return false;
         }
         let resolves_noise = self.finest_step_m.is_some_and(|step| step < 0.5 * sigma_m);
-        // NaN (no reference then) compares false.
+        // Comparison with NaN (no reference then) is false.
         let reference_moved = reference_m
             .is_some_and(|now| (now - self.reference_then_m).abs() > 3.0 * (sigma_m + reference_sigma_m));
         resolves_noise || reference_moved
     }
 }
 
-/// Whether a fix is the last one, held: the same time by the receiver's clock, or, where it gives
-/// none, the same bits throughout.
+/// Whether a fix is the last one, held: the same time by the receiver's clock, or, without such a time, the
+/// same bits throughout.
 #[must_use]
 pub fn is_held(fix: &GpsFix, last: &GpsFix) -> bool {
     match (fix.fix_time_us, last.fix_time_us) {
@@ -75,7 +75,7 @@ pub fn is_held(fix: &GpsFix, last: &GpsFix) -> bool {
 mod tests {
     use super::*;
 
-    /// Index of the first reading that is called stuck.
+    /// Index of the first reading that is reported as stuck.
     fn first_stuck(readings: impl Iterator<Item = (f32, f32)>) -> Option<usize> {
         let mut detector = StuckDetector::default();
         readings.enumerate().position(|(k, (reading, reference))| {
@@ -93,8 +93,8 @@ mod tests {
     fn a_coarse_sensor_in_level_flight_is_not_and_in_a_climb_is() {
         let coarse = |k: u16| if k < 10 { f32::from(k) } else { 10.0 };
         assert_eq!(first_stuck((0..2_000).map(|k| (coarse(k), 10.0))), None);
-        // Reference climbs 0.1 m a reading: 7.5 m are passed 76 readings after the last step, before
-        // the two seconds are.
+        // The reference climbs 0.1 m a reading: 7.5 m are passed 76 readings after the last step, before the
+        // two seconds have passed.
         assert_eq!(first_stuck((0..2_000).map(|k| (coarse(k), f32::from(k) * 0.1))), Some(110));
     }
 

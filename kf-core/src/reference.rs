@@ -1,4 +1,4 @@
-//! The reference receiver: which fixes are measurements, and where the altitude is between them.
+//! The reference receiver: which fixes are measurements, and the altitude between them.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,54 +12,54 @@ use crate::time::seconds_between;
 /// A fix that is a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcceptedFix {
-    /// Altitude, metres, free of the reference's constant effects once [`ReferenceTracker::correct`] was told
-    /// of them.
+    /// Altitude, metres; free of the reference's constant effects once [`ReferenceTracker::correct`] has
+    /// removed them.
     pub altitude_m: f32,
     /// Seconds since the last one; `None` for the first, and for the first after a loss.
     pub interval_s: Option<f32>,
-    /// Altitude minus the climb rate's integral since the first fix, metres: its drift is the
-    /// receiver's own (code altitude against Doppler). `None` without a climb rate.
+    /// Altitude minus the climb rate's integral since the first fix, metres: its drift is the receiver's own
+    /// (code altitude against Doppler). `None` without a climb rate.
     pub altitude_minus_climb_m: Option<f32>,
 }
 
-/// Follows the reference.
+/// Tracks the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceTracker {
     lost_after_us: u64,
     carries_climb: bool,
     last: Option<(u64, GpsFix)>,
-    /// What is taken off the last fix's altitude, metres.
+    /// Correction subtracted from the last fix's altitude, metres.
     correction_m: f32,
     /// Integral of the climb rate since the first fix, metres.
     climbed_m: f32,
     /// Fixes in a row that repeat every bit of altitude and velocity.
     repeats: u8,
-    /// The usual time between two fixes, microseconds; 0 before there were two. Not kept over a restart: the
-    /// next two say it anew.
+    /// Usual time between two fixes, microseconds; 0 before the second. Not kept over a restart: the next two
+    /// fixes give it again.
     #[serde(skip)]
     usual_us: u64,
-    /// The flight computer was away since the last fix, and its clock does not know for how long.
+    /// The flight computer was interrupted since the last fix, and its clock does not show for how long.
     #[serde(skip)]
     is_interrupted: bool,
 }
 
-/// For how long a climb rate carries the altitude at least, microseconds: an aircraft that begins to fall, or
-/// pulls 2 g, is by then 2 m from where it carries it, a fix's own error. A receiver that is slower by itself
-/// is given half as long again as it takes.
+/// Shortest time for which a climb rate carries the altitude forward, microseconds. An aircraft that begins
+/// to fall, or pulls 2 g, is then 2 m from the prediction, a fix's own error. A slower receiver gets one and
+/// a half times its usual interval.
 const CARRIED_US: u64 = 640_000;
 
-/// Where the time between two fixes is another by the receiver's clock than by the flight computer's, by more
-/// than this (microseconds), it is the receiver's: a clock has leapt. A fix that is late is late by less.
-/// After a restart it is the receiver's in any case: for how long the supply was away nothing on board knows,
-/// and what is climbed meanwhile is not to be taken for a receiver that contradicts itself.
+/// If the receiver's clock and the flight computer's clock differ by more than this over the time between two
+/// fixes (microseconds), a clock has leapt and the receiver's time is used. A late fix is late by less. After
+/// a restart the receiver's time is always used: nothing on board measures how long the supply was off, and a
+/// climb meanwhile must not look like a receiver that contradicts itself.
 const CLOCK_LEAP_US: u64 = CARRIED_US / 2;
 
-/// So many repeats are a receiver that stands still: a fix has its altitude in millimetres and three
-/// velocities in mm/s, all of them with noise of many times that.
+/// After this many repeats the receiver is stuck: a fix has its altitude in millimetres and three velocities
+/// in mm/s, with noise of many times that in all of them.
 const MOST_REPEATS: u8 = 5;
 
-/// Whether a later fix repeats altitude and velocity. Without velocities there is no telling: an altitude in
-/// whole metres repeats honestly.
+/// Whether a later fix repeats altitude and velocity. Without velocities this cannot be decided: an altitude
+/// in whole metres legitimately repeats.
 fn repeats(fix: &GpsFix, last: &GpsFix) -> bool {
     let velocity =
         |fix: &GpsFix| Some([fix.velocity_north_mps?, fix.velocity_east_mps?, fix.velocity_down_mps?]);
@@ -67,8 +67,8 @@ fn repeats(fix: &GpsFix, last: &GpsFix) -> bool {
 }
 
 impl ReferenceTracker {
-    /// A tracker that has seen no fix. With a climb rate in the configuration the altitude is
-    /// carried between fixes; without (the paper's), the last fix stands as it is.
+    /// A tracker without a fix. With a climb rate in the configuration the altitude is carried forward
+    /// between fixes; without one (as in the paper), the last fix is used unchanged.
     #[must_use]
     pub fn new(config: &ReferenceConfig) -> Self {
         Self {
@@ -83,8 +83,8 @@ impl ReferenceTracker {
         }
     }
 
-    /// It goes on after a restart: how long that took, the receiver's clock knows better than the flight
-    /// computer's, by whatever it is.
+    /// Marks a restart: the receiver's clock measures its length better than the flight computer's, whatever
+    /// the difference.
     pub(crate) const fn interrupt(&mut self) {
         self.is_interrupted = true;
     }
@@ -120,7 +120,7 @@ impl ReferenceTracker {
         Ok(self.accept(time_us, fix))
     }
 
-    /// Takes a fix that [`Self::check`] has nothing against.
+    /// Takes a fix that passed [`Self::check`].
     #[inline]
     pub(crate) fn accept(&mut self, time_us: u64, fix: &GpsFix) -> AcceptedFix {
         let fresh = self.is_fresh(time_us);
@@ -132,7 +132,7 @@ impl ReferenceTracker {
                 self.climbed_m -= 0.5 * (before + now) * seconds;
             }
             interval_s = fresh.then_some(seconds);
-            // A gap is not what is usual, unless it stays so.
+            // A single gap does not change the usual interval unless it persists.
             let longest_us = if self.usual_us == 0 { u64::MAX } else { self.usual_us.saturating_mul(2) };
             self.usual_us = interval_us.min(longest_us);
             self.repeats = if repeats(fix, last) { self.repeats.saturating_add(1) } else { 0 };
@@ -144,7 +144,7 @@ impl ReferenceTracker {
         AcceptedFix { altitude_m: fix.altitude_m, interval_s, altitude_minus_climb_m }
     }
 
-    /// From the last fix to this one, microseconds; see [`CLOCK_LEAP_US`].
+    /// Time from the last fix to this one, microseconds; see [`CLOCK_LEAP_US`].
     fn interval_us(&self, time_us: u64, fix: &GpsFix) -> u64 {
         let Some((last_us, last)) = &self.last else { return 0 };
         let own_us = time_us.saturating_sub(*last_us);
@@ -152,12 +152,12 @@ impl ReferenceTracker {
             (Some(before_us), Some(now_us)) if now_us > before_us => now_us - before_us,
             _ => return own_us,
         };
-        // Nor has a receiver's clock that leaps itself, at a start or at the week's end, the last word.
+        // A receiver's clock that leaps itself, at a start or at the week's end, is not used either.
         let has_leapt = self.is_interrupted || own_us.abs_diff(receivers_us) > CLOCK_LEAP_US;
         if has_leapt && receivers_us <= self.lost_after_us { receivers_us } else { own_us }
     }
 
-    /// Takes the reference's constant effects, metres, off the fix that was just accepted.
+    /// Subtracts the reference's constant effects, metres, from the fix that was just accepted.
     pub fn correct(&mut self, accepted: AcceptedFix, effects_m: f32) -> AcceptedFix {
         self.correction_m = effects_m;
         AcceptedFix {
@@ -176,15 +176,14 @@ impl ReferenceTracker {
         }
     }
 
-    /// Whether the last fix is recent enough to measure against.
+    /// Whether the last fix is recent enough to be compared with.
     #[must_use]
     #[inline]
     pub fn is_fresh(&self, time_us: u64) -> bool {
         self.last.as_ref().is_some_and(|(last_us, _)| time_us.saturating_sub(*last_us) <= self.lost_after_us)
     }
 
-    /// Whether the altitude now is still that of the last fix: the climb rate that carries it is not older
-    /// than it is good for.
+    /// Whether the altitude is still based on a recent fix: the climb rate that carries it is not too old.
     #[must_use]
     #[inline]
     pub fn is_current(&self, time_us: u64) -> bool {
@@ -192,14 +191,14 @@ impl ReferenceTracker {
         !self.carries_climb || age_us <= CARRIED_US || age_us <= self.usual_us + self.usual_us / 2
     }
 
-    /// See [`AcceptedFix::altitude_minus_climb_m`]; of the last fix, where a climb rate carries it.
+    /// See [`AcceptedFix::altitude_minus_climb_m`]; for the last fix, if a climb rate carries the altitude.
     #[must_use]
     pub(crate) fn altitude_minus_climb_m(&self) -> Option<f32> {
         let (_, fix) = self.last.as_ref().filter(|_| self.carries_climb)?;
         fix.velocity_down_mps.map(|_| fix.altitude_m - self.correction_m - self.climbed_m)
     }
 
-    /// What was taken off the last fix's altitude, metres.
+    /// Correction subtracted from the last fix's altitude, metres.
     #[must_use]
     pub fn correction_m(&self) -> f32 {
         self.correction_m
@@ -217,7 +216,7 @@ impl ReferenceTracker {
         self.last.as_ref().map(|(_, fix)| fix)
     }
 
-    /// Climb rate by the last fix, m/s, up positive.
+    /// Climb rate of the last fix, m/s, up positive.
     #[must_use]
     #[inline]
     pub fn climb_rate_mps(&self) -> Option<f32> {
@@ -226,7 +225,7 @@ impl ReferenceTracker {
 
     /// Altitude of the reference now, metres; `None` when it is lost.
     ///
-    /// This is eq. 16's `y_GPS`: the last fix, carried on by its climb rate where one is configured.
+    /// This is eq. 16's `y_GPS`: the last fix, carried forward by its climb rate if one is configured.
     #[must_use]
     #[inline]
     pub fn altitude_m(&self, time_us: u64) -> Option<f32> {
@@ -242,8 +241,7 @@ impl ReferenceTracker {
         Some(altitude_m + self.climbed_m(time_us))
     }
 
-    /// What was climbed since the last fix by its climb rate, metres; nothing where none carries the
-    /// altitude.
+    /// Climb since the last fix by its climb rate, metres; zero if no climb rate carries the altitude.
     #[must_use]
     #[inline]
     pub fn climbed_m(&self, time_us: u64) -> f32 {
@@ -255,7 +253,7 @@ impl ReferenceTracker {
         }
     }
 
-    /// Climb rate by the last fix, m/s, up positive, where it carries the altitude.
+    /// Climb rate of the last fix, m/s, up positive, if it carries the altitude.
     #[must_use]
     pub fn carrying_rate_mps(&self) -> Option<f32> {
         self.climb_rate_mps().filter(|_| self.carries_climb)
@@ -310,7 +308,7 @@ mod tests {
         assert_eq!(tracker.take(2_000_000, &at(10, 100.0, true)), Err(Rejection::Stuck));
         assert!(tracker.take(2_200_000, &at(11, 100.001, true)).is_ok());
         assert!(tracker.take(2_400_000, &at(12, 100.001, true)).is_ok());
-        // A log's altitudes in whole metres, without velocities.
+        // A log with altitudes in whole metres and without velocities.
         let mut tracker = ReferenceTracker::new(&config(true));
         assert!((0..60).all(|k| tracker.take(k * 200_000, &at(k, 100.0, false)).is_ok()));
     }
@@ -323,16 +321,16 @@ mod tests {
             assert_eq!(tracker.take(k * 200_000, &fix(100.0, -1.0)), Err(Rejection::Held));
         }
         assert!(tracker.is_fresh(2_000_000) && !tracker.is_fresh(2_000_001));
-        // The first fix after a loss has no interval: it is worth what a first fix is.
+        // The first fix after a loss has no interval: it has the weight of a first fix.
         assert_eq!(tracker.take(2_500_000, &fix(101.0, -1.0)).unwrap().interval_s, None);
         let next = tracker.take(2_700_000, &fix(101.2, -1.0)).unwrap();
         assert!((next.interval_s.unwrap() - 0.2).abs() < 1e-6);
-        // 2.7 s at 1 m/s were climbed.
+        // 2.7 s were climbed at 1 m/s.
         assert!((next.altitude_minus_climb_m.unwrap() - 98.5).abs() < 1e-4);
     }
 
-    /// A climb rate carries the altitude for [`CARRIED_US`], and that of a slow receiver for half as long
-    /// again as it usually takes.
+    /// A climb rate carries the altitude for [`CARRIED_US`]; that of a slow receiver for one and a half times
+    /// its usual interval.
     #[test]
     fn a_fix_is_current_until_the_next_is_overdue() {
         for (interval_us, current_us) in [(200_000, CARRIED_US), (1_000_000, 1_500_000)] {
@@ -346,8 +344,8 @@ mod tests {
         }
     }
 
-    /// After a restart the interval is the receiver's however little the two clocks differ; otherwise a fix
-    /// that is late is only late.
+    /// After a restart the interval is the receiver's, however little the two clocks differ; otherwise a late
+    /// fix is just late.
     #[test]
     fn after_a_restart_the_receivers_clock_says_how_long_it_was() {
         for (is_restarted, interval_s) in [(false, 0.2), (true, 0.35)] {

@@ -1,30 +1,31 @@
-//! In free flight: whether the reference may be believed.
+//! Whether the reference can be trusted in free flight.
 //!
-//! Eq. 16 compares both sensors with one receiver, so a fault of the receiver looks like two faults of
-//! sensors. Two things say whose it is:
+//! Eq. 16 compares both sensors with one receiver, so a fault of the receiver looks like two sensor faults.
+//! These rules distinguish them:
 //!
-//! - The receiver's climb rate is Doppler, its altitude is code: a fix that leaves the last good one's
-//!   altitude, carried on by the climb rate, has jumped. It is refused ([`crate::output::Rejection::Gated`]),
-//!   and the altitude is carried on for as long as a reference without fixes counts. A jump that lasts is a
-//!   lost reference.
-//! - An error of both sensors is the reference's before it is two sensors' by coincidence. With two sensors
-//!   to ask, the error of one counts against it only where its own fault is the likelier reading of both
-//!   errors (`is_likelier_own` in `free_flight`). Otherwise the reading is not judged, and the sensor is
-//!   `unmonitored`.
-//! - A fix that brings altitude and climb rate together again, after they lay apart, is good however far it
+//! - The receiver's climb rate is Doppler, its altitude is code. A fix that leaves the last good one's
+//!   altitude, carried forward by the climb rate, has jumped. It is refused
+//!   ([`crate::output::Rejection::Gated`]), and the altitude is carried forward for as long as a reference
+//!   without fixes counts. A jump that lasts is a lost reference.
+//! - An error of both sensors is attributed to the reference before it counts as a coincidence of two sensor
+//!   faults. With two sensors, the error of one counts against it only if its own fault is the likelier
+//!   explanation of both errors (`is_likelier_own` in `free_flight`). Otherwise the reading is not judged,
+//!   and the sensor is `unmonitored`.
+//! - A fix that brings altitude and climb rate together again, after they disagreed, is good however far it
 //!   departs.
-//! - A receiver that contradicts itself has two words: an altitude that has left its own climb rate may be as
-//!   wrong as that, and a fix that was refused may be right and what was carried on wrong. An error counts
-//!   only if the sensor is beyond its bound by both, or the other sensor, calibrated before the two lay
-//!   apart, is within its own by the reference and beyond it by the other word.
-//! - A receiver that contradicted itself until it was lost, or by hundreds of metres, is the reference for
-//!   want of a better: it is disputed. Until a sensor is within its bound by it, an error that no other
-//!   sensor can be asked about is not judged.
+//! - A receiver that contradicts itself gives two altitudes: one that has left its own climb rate may be
+//!   wrong by that much, and a refused fix may be right and the altitude carried forward wrong. An error
+//!   counts only if the sensor is beyond its alarm limit by both altitudes, or if the other sensor,
+//!   calibrated before the two disagreed, is within its own limit by the reference and beyond it by the
+//!   alternative altitude.
+//! - A receiver that contradicted itself until it was lost, or by hundreds of metres, is the reference only
+//!   because there is no better one: it is disputed. Until a sensor is within its alarm limit by it, an error
+//!   is not judged if there is no other sensor to compare with.
 //!
-//! The limits: where the receiver gives no climb rate, or was silent until it was lost, nobody tells two
-//! sensors that fail alike from a reference that drifts; they are `unmonitored`, not flagged, and a single
-//! sensor is blamed for the reference. Where it gives one, altitude and climb rate that lie alike are
-//! believed, and both sensors are blamed.
+//! The limits: if the receiver gives no climb rate, or was silent until it was lost, two sensors that fail
+//! alike cannot be distinguished from a drifting reference. They are `unmonitored`, not flagged, and a single
+//! sensor is blamed for the reference's error. If it gives one, altitude and climb rate with the same error
+//! are accepted, and both sensors are blamed.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,70 +33,68 @@ use crate::config::MissionConfig;
 use crate::guard::Guard;
 use crate::time::{microseconds, seconds_between};
 
-/// For how long it is known that the altitude has left the climb rate's integral, seconds. A receiver that
-/// converges takes a minute or two; the climb rate's own random walk is 6 m by then, within a monitor's
-/// bound.
+/// Memory of the altitude's departure from the climb rate's integral, seconds. A receiver takes a minute or
+/// two to converge; by then the climb rate's own random walk is 6 m, within a monitor's alarm limit.
 const MEMORY_S: f32 = 300.0;
-/// The altitude leaves the climb rate's integral by so many of a fix's sigmas without a fault: the bound
-/// allows for that, and it excuses nobody. What is left of a fault with that taken off is within any bound,
-/// which is three.
+/// Departure of the altitude from the climb rate's integral without a fault, in a fix's sigmas: the alarm
+/// limit allows for it, and it excuses no sensor. The part of a fault that this leaves unexcused is within
+/// any alarm limit, which is three.
 const WANDER_SIGMAS: f32 = 2.0;
 
-/// Beyond so many times that wander nobody knows by how much the altitude has left the climb rate's integral:
-/// what is forgotten of it in five seconds, a sixtieth of the memory, is more than a fix's own errors explain
+/// Beyond this many times that wander, the departure from the climb rate's integral is unknown: the part of
+/// it that is forgotten in five seconds, a sixtieth of the memory, exceeds what a fix's own errors explain
 /// (four sigmas).
 const KNOWN_WANDERS: f32 = 120.0;
 
-/// How far the reference may be off: by anything between nothing and what its other word makes of it, and by
-/// a fix's own errors beyond that.
+/// Possible error of the reference: anything between zero and the difference to its alternative altitude,
+/// plus a fix's own errors beyond that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Play {
-    /// The error that both sensors show if the climb rate is right and the altitude is not, metres.
+    /// Error that both sensors show if the climb rate is right and the altitude is wrong, metres.
     pub(crate) other_m: f32,
-    /// One over the square of how far a fix is off by itself, 1/m^2, at the monitor's multiple of sigma: two
-    /// errors, one in the calibration and one now.
+    /// Inverse square of a fix's own error, 1/m^2, at the monitor's multiple of sigma: two errors, one in the
+    /// calibration and one now.
     pub(crate) stiffness_per_m2: f32,
 }
 
-/// The reference's standing.
+/// Assessment of the reference.
 #[derive(Clone, Debug)]
 pub(crate) struct ReferenceCheck {
     is_on: bool,
     /// Variance of a fix's departure from the last good one: two independent errors of a fix, times the
     /// monitor's multiplier squared. A correlated error departs less.
     gate_m2: f32,
-    /// What the climb rate's own error adds to that in a second.
+    /// Increase of that variance per second, from the climb rate's own error.
     gate_m2_per_s: f32,
-    /// How far the altitude may leave the climb rate's integral by itself, metres.
+    /// Departure of the altitude from the climb rate's integral without a fault, metres.
     wander_m: f32,
     lost_after_us: u64,
     standing: Standing,
 }
 
-/// What of it changes in flight.
+/// The part of it that changes in flight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "KeptStanding", into = "KeptStanding")]
 pub(crate) struct Standing {
     /// Time of the last fix that was good.
     good_us: u64,
-    /// The altitude that was carried on to the last fix, metres, where that was refused.
+    /// Altitude carried forward to the last fix, metres, if that fix was refused.
     carried_m: Option<f32>,
-    /// How far the good fixes have left the altitude that their climb rate carries, metres; infinite where
-    /// nobody knows; NaN while the receiver is disputed ([`ReferenceCheck::is_disputed`]).
+    /// Departure of the good fixes from the altitude that their climb rate carries, metres; infinite if
+    /// unknown; NaN while the receiver is disputed ([`ReferenceCheck::is_disputed`]).
     left_m: f32,
-    /// Altitude and climb rate lay apart at the launch already, or nobody knows: the sensors may have been
-    /// calibrated by the wrong one.
+    /// Altitude and climb rate disagreed at the launch already, or this is unknown: the sensors may have been
+    /// calibrated with the wrong one.
     was_doubted: bool,
-    /// Since when fixes have been refused, microseconds; 0 while they are good. Not kept over a restart,
-    /// either.
+    /// When fixes began to be refused, microseconds; 0 while they are good. Not kept over a restart.
     refused_us: u64,
-    /// The receiver's other word on the altitude, less the reference, metres: the last fix, if it was
-    /// refused, or else what the climb rate makes of the fixes before it. Not kept over a restart: the next
-    /// fix says it anew.
+    /// The receiver's alternative altitude less the reference, metres: the last fix if it was refused,
+    /// otherwise the altitude by the climb rate and the fixes before it. Not kept over a restart: the next
+    /// fix gives it again.
     other_m: f32,
 }
 
-/// A standing in a snapshot, which has no byte left for more than these.
+/// A standing in a snapshot, which has no room for more than these fields.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct KeptStanding {
     good_us: u64,
@@ -168,8 +167,8 @@ impl ReferenceCheck {
         self.standing.was_doubted = self.standing.other_m != 0.0;
     }
 
-    /// At launch, or at a good fix, with the reference as it is: so many metres from its mean over the
-    /// calibration, by its climb rate.
+    /// Starts at launch, or at a good fix, with the reference as it is: `left_m` from its mean over the
+    /// calibration, by its climb rate, metres.
     fn begin(&mut self, time_us: u64, left_m: f32) {
         let is_beyond = left_m.is_finite() && left_m.abs() > KNOWN_WANDERS * self.wander_m;
         let left_m = if is_beyond { f32::NAN } else { left_m };
@@ -196,7 +195,7 @@ impl ReferenceCheck {
         self.is_on && Guard::ReferenceJump.stands()
     }
 
-    /// The altitude that takes the last fix's place, metres; `None` where that was good.
+    /// Altitude that replaces the last fix, metres; `None` if that fix was good.
     #[inline]
     pub(crate) const fn carried_m(&self) -> Option<f32> {
         self.standing.carried_m
@@ -208,15 +207,15 @@ impl ReferenceCheck {
         self.standing.other_m
     }
 
-    /// Whether a sensor that has spoken last at that time is a witness of the reference's two words: it was
-    /// calibrated before they lay apart, and has spoken since. What it said before a clock leapt, or a
-    /// receiver was silent, is of neither.
+    /// Whether a sensor whose last reading has that time is a witness of the receiver's two altitudes: it was
+    /// calibrated before they disagreed, and has delivered since. A reading from before a leap of the clock,
+    /// or from before the receiver was silent, is evidence for neither.
     #[inline]
     pub(crate) const fn is_witness(&self, spoke_us: u64) -> bool {
         !self.standing.was_doubted && spoke_us >= self.standing.refused_us
     }
 
-    /// How far the reference may be off; `None` where nobody knows.
+    /// Possible error of the reference; `None` if unknown.
     #[inline]
     pub(crate) fn play(&self) -> Option<Play> {
         let Standing { carried_m, left_m, .. } = self.standing;
@@ -224,23 +223,23 @@ impl ReferenceCheck {
         is_known.then(|| Play { other_m: -left_m, stiffness_per_m2: 1.0 / self.gate_m2 })
     }
 
-    /// Whether a fix that departs by so much, metres, brings altitude and climb rate together again, after
-    /// they lay apart: a receiver that jumped and comes back, once what it had jumped to was taken for the
-    /// reference.
+    /// Whether a fix that departs by this much, metres, brings altitude and climb rate together again after
+    /// they disagreed: a receiver that jumped and comes back after the altitude of the jump was adopted as
+    /// the reference.
     fn is_reconciled(&self, departure_m: f32) -> bool {
         let left_m = self.standing.left_m;
         left_m.is_finite() && left_m.abs() > self.wander_m && (left_m + departure_m).abs() <= self.wander_m
     }
 
-    /// The receiver has contradicted itself, by so much that nobody knows by how much, or until it was lost;
-    /// what it says now is the reference for want of a better: neither its climb rate nor a sensor stands by
-    /// it.
+    /// The receiver contradicted itself until it was lost, or by so much that the amount is unknown. Its
+    /// altitude is the reference only because there is no better one: neither its climb rate nor a sensor
+    /// supports it.
     #[inline]
     pub(crate) const fn is_disputed(&self) -> bool {
         self.standing.left_m.is_nan()
     }
 
-    /// A sensor stands by what is the reference now.
+    /// A sensor supports the present reference.
     #[inline]
     pub(crate) const fn settle(&mut self) {
         if self.is_disputed() {
@@ -248,15 +247,16 @@ impl ReferenceCheck {
         }
     }
 
-    /// Fixes have been refused for so long that what they were carried on from is worth nothing.
+    /// Fixes have been refused for so long that the altitude carried forward is useless.
     #[inline]
     pub(crate) fn is_lost(&self, time_us: u64) -> bool {
         self.standing.carried_m.is_some()
             && time_us.saturating_sub(self.standing.good_us) > self.lost_after_us
     }
 
-    /// Takes a fix that is so many metres off `carried_m`, the altitude carried on to it. `None` where
-    /// nothing was carried. True if it is good; `is_vouched` says whether the sensors take the fix's side.
+    /// Takes a fix that departs by `departure_m` metres from `carried_m`, the altitude carried forward to it;
+    /// `None` if nothing was carried. True if the fix is good; `is_vouched` returns whether the sensors
+    /// support it.
     pub(crate) fn take(
         &mut self,
         time_us: u64,
@@ -272,8 +272,7 @@ impl ReferenceCheck {
             || self.is_reconciled(departure_m)
             || is_vouched();
         if is_good {
-            // After a loss nobody knows what it has left, and where no climb rate carries it nobody ever
-            // does.
+            // After a loss the departure is unknown, and without a climb rate it always is.
             let is_known = carried_m.is_some() && seconds < MEMORY_S;
             let kept_m = if is_known {
                 self.standing.left_m * (1.0 - seconds / MEMORY_S)

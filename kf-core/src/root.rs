@@ -1,6 +1,6 @@
-//! The reciprocal of a square root, without a root: `libm`'s is computed bit by bit, and no tick takes one.
+//! Reciprocal square root without a square root: `libm`'s is computed bit by bit, and no tick uses it.
 
-/// `1 / sqrt(x)`, within 3e-7 of itself, for a positive, finite `x` that is no subnormal.
+/// `1 / sqrt(x)`, within a relative error of 3e-7, for a positive, finite `x` that is not subnormal.
 ///
 /// A first guess from the exponent (C. Lomont, "Fast Inverse Square Root", Purdue University 2003) is within
 /// 3.5 %; each of Newton's steps squares the error: 0.18 %, 5e-6, rounding.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How many sensors carry a bias state.
+/// Number of sensors that carry a bias state.
 pub const SENSORS: usize = 3;
 
 /// A sensor with a bias state, in the order of the paper's eq. 9.
@@ -11,7 +11,7 @@ pub const SENSORS: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Sensor {
-    /// The mother ship's inertial altitude: there in captive flight only.
+    /// The mother ship's inertial altitude: available in captive flight only.
     ImuMaster = 0,
     /// The UAV's own inertial altitude.
     ImuSlave = 1,
@@ -39,7 +39,7 @@ impl Sensor {
         }
     }
 
-    /// Whether the sensor leaves with the UAV at launch, so that free flight can be watched.
+    /// Whether the sensor leaves with the UAV at launch, so that it can be monitored in free flight.
     #[must_use]
     pub const fn flies_free(self) -> bool {
         !matches!(self, Self::ImuMaster)

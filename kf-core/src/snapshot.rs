@@ -1,12 +1,12 @@
-//! The state of a mission from the first suspicion of its launch on, so that one that restarts can go on.
+//! State of a mission from the first suspicion of its launch on, so that it can continue after a restart.
 //!
-//! Kept is what configuration and latch do not give back: the latch itself, the monitors with their
-//! moving averages and flags, the signals and their integrals, the last fix, what was counted. A
-//! mission in captive flight has none: its calibration starts again.
+//! It holds what cannot be recovered from the configuration: the latch, the monitors with their moving
+//! averages and flags, the signals and their integrals, the last fix, the counters. A mission in captive
+//! flight has no snapshot: its calibration starts again.
 //!
-//! A snapshot is a kilobyte, too dear for the tick that launches. So it is made while the launch is only
-//! suspected, and what changes at once, or at its confirmation, is a word that every tick can keep:
-//! [`MissionMark`].
+//! A snapshot is a kilobyte, too expensive for the tick that launches. It is therefore made while the launch
+//! is only suspected. What changes at once, or at the confirmation, is a single word that every tick can
+//! store: [`MissionMark`].
 
 use serde::{Deserialize, Serialize};
 
@@ -21,29 +21,29 @@ use crate::reference::ReferenceTracker;
 use crate::reference_check::Standing;
 use crate::sensor::{SENSORS, Sensor};
 
-/// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that it goes with.
+/// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that goes with it.
 pub const SNAPSHOT_VERSION: u8 = 9;
-/// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. The largest model's
-/// do, with windows of up to 2^14 samples a part and a month after power-on (`mission::tests::resume`).
+/// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. Snapshots of the
+/// largest model fit, with windows of up to 2^14 samples a bin and a month after power-on
+/// (`mission::tests::resume`).
 pub const MAX_SNAPSHOT_BYTES: usize = 1_920;
 
-/// Why a snapshot was not made, not read or not believed.
+/// Why a snapshot was not written, not read or not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SnapshotError {
     /// The buffer is too short.
     BufferTooShort,
-    /// The bytes are no snapshot.
+    /// The bytes are not a snapshot.
     Format,
-    /// A snapshot of another version of the layout.
+    /// The snapshot has another version of the layout.
     Version,
-    /// A snapshot of a mission with another configuration.
+    /// The snapshot belongs to a mission with another configuration.
     OtherMission,
-    /// What was held at another suspicion of a launch, or no launch was even suspected by the last tick.
+    /// The state was held at another suspicion of a launch, or no launch was suspected by the last tick.
     OtherLaunch,
 }
 
-/// A mission in free flight, or held for a launch that is suspected; made by
-/// [`crate::mission::Mission::snapshot`].
+/// A mission in free flight, or held for a suspected launch; made by [`crate::mission::Mission::snapshot`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MissionSnapshot {
     pub(crate) first_us: u64,
@@ -51,7 +51,7 @@ pub struct MissionSnapshot {
     pub(crate) launch_was: bool,
     pub(crate) latch: LatchRecord,
     pub(crate) free_flight: KeptFreeFlight,
-    /// Its flag; its moving average starts anew, or the largest snapshot would not fit.
+    /// Flag of the cross-check; its moving average starts again, or the largest snapshot would not fit.
     pub(crate) cross_check: Trust,
     pub(crate) signals: SignalTracker,
     pub(crate) formulas: FormulaWords,
@@ -69,12 +69,13 @@ impl MissionSnapshot {
         self.last_us
     }
 
-    /// Writes version and snapshot (postcard) and returns how many bytes of `buffer` they take;
-    /// [`MAX_SNAPSHOT_BYTES`] are always enough. There is no check in it: who keeps it adds one.
+    /// Writes version and snapshot (postcard) and returns the number of bytes of `buffer` used;
+    /// [`MAX_SNAPSHOT_BYTES`] are always enough. It contains no checksum: the code that stores it adds one.
     ///
     /// # Errors
     /// [`SnapshotError::BufferTooShort`].
-    // What writes each field is generic, and compiled where this is: with who keeps the snapshot, for size.
+    // The code that writes each field is generic and compiled where this is: in the crate that stores it, for
+    // size.
     #[inline]
     pub fn to_bytes(&self, buffer: &mut [u8]) -> Result<usize, SnapshotError> {
         postcard::to_slice(&(SNAPSHOT_VERSION, self), buffer)
@@ -83,13 +84,13 @@ impl MissionSnapshot {
     }
 }
 
-/// A snapshot's bytes, to be read a field at a time in the order of [`MissionSnapshot`]: as a whole it takes
-/// six kilobytes of the stack to read, and two and a half to have.
+/// A snapshot's bytes, read one field at a time in the order of [`MissionSnapshot`]: as a whole it takes six
+/// kilobytes of stack to read, and two and a half to hold.
 #[derive(Clone, Copy)]
 pub(crate) struct Fields<'a>(&'a [u8]);
 
 impl<'a> Fields<'a> {
-    /// Those of bytes of this version.
+    /// The fields of bytes with this version.
     pub(crate) fn of(bytes: &'a [u8]) -> Result<Self, SnapshotError> {
         let (version, fields) = bytes.split_first().ok_or(SnapshotError::Format)?;
         if *version == SNAPSHOT_VERSION { Ok(Self(fields)) } else { Err(SnapshotError::Version) }
@@ -103,14 +104,14 @@ impl<'a> Fields<'a> {
         Ok(field)
     }
 
-    /// Nothing follows.
+    /// Checks that no bytes follow.
     pub(crate) const fn end(self) -> Result<(), SnapshotError> {
         if self.0.is_empty() { Ok(()) } else { Err(SnapshotError::Format) }
     }
 }
 
-/// A call of its own for each field: its code is in an image once, compiled with this crate, and the field
-/// leaves the stack with who asked for it.
+/// A separate function for each field: its code is in an image once, compiled with this crate, and the
+/// field's stack is freed when its caller returns.
 macro_rules! fields {
     ($($(#[$doc:meta])* $name:ident: $field:ty;)*) => {
         impl Fields<'_> {
@@ -129,7 +130,7 @@ fields! {
     latch: LatchRecord;
     /// The first part of `free_flight`.
     standing: Standing;
-    /// The watch of each sensor that flies free: the rest of `free_flight`.
+    /// The watch of each sensor that leaves with the UAV: the rest of `free_flight`.
     watch: Option<KeptWatch>;
     cross_check: Trust;
     signals: SignalTracker;
@@ -141,46 +142,46 @@ fields! {
     counters: Counters;
 }
 
-/// How far the launch had come.
+/// Progress of the launch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stage {
-    /// Under the pylon.
+    /// Captive flight.
     #[default]
     Captive,
-    /// A launch is suspected, and the calibration held.
+    /// A launch is suspected and the calibration is held.
     Suspected,
-    /// Launched, and the calibration latched.
+    /// Launched, and the calibration is latched.
     Launched,
 }
 
-/// What is kept of a mission at every tick: which snapshot goes with it, and what that may not have yet.
-/// Small enough to be kept with the tick's time; made by [`crate::mission::Mission::mark`].
+/// Record of a mission that is stored at every tick: which snapshot goes with it, and what that snapshot may
+/// lack. Small enough to be stored with the tick's time; made by [`crate::mission::Mission::mark`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MissionMark {
-    /// How far the launch had come.
+    /// Progress of the launch.
     pub stage: Stage,
     /// The flags that were raised.
     pub flags: RaisedFlags,
-    /// Bits of [`crate::quality::FailedChecks`] of what is held or latched: whether the launch was confirmed
-    /// is one of them.
+    /// Bits of [`crate::quality::FailedChecks`] of the held or latched calibration; one of them is whether
+    /// the launch was confirmed.
     pub failed_checks: u16,
-    /// How many suspicions had come to nothing, below [`Self::SUSPICIONS`] and from there anew: what was held
-    /// for one of them is not what is held for the next.
+    /// Number of withdrawn suspicions, modulo [`Self::SUSPICIONS`]: a state held for one suspicion is not the
+    /// state held for the next.
     pub suspicions: u8,
 }
 
 impl MissionMark {
-    /// Where the count of suspicions begins anew.
+    /// The count of suspicions wraps here.
     pub const SUSPICIONS: u8 = 64;
 }
 
-/// The flags that were raised so far, two bits each: small enough to be kept at every tick, so that
-/// none is lost between two snapshots.
+/// The flags raised so far, two bits each: small enough to be stored at every tick, so that none is lost
+/// between two snapshots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RaisedFlags(u8);
 
 impl RaisedFlags {
-    /// Those of a byte that [`Self::bits`] gave; a pattern that it never gives is the graver flag.
+    /// Flags from a byte of [`Self::bits`]; a pattern that it never returns counts as the more serious flag.
     #[must_use]
     pub const fn from_bits(bits: u8) -> Self {
         Self(bits)

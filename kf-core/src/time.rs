@@ -1,15 +1,15 @@
 //! Time as data: microseconds since an arbitrary origin.
 
-/// Seconds from one time to a later one. Exact to f32 up to 71 minutes; longer spans, which no
-/// caller tells apart from 71 minutes, come out as that.
+/// Seconds from one time to a later one. Exact to f32 up to 71 minutes; longer spans are returned as that,
+/// because no caller distinguishes them from 71 minutes.
 #[must_use]
 #[inline]
 pub fn seconds_between(from_us: u64, to_us: u64) -> f32 {
     u32::try_from(to_us.saturating_sub(from_us)).unwrap_or(u32::MAX) as f32 * 1e-6
 }
 
-/// Seconds from one time to a later one, to f32 and to the microsecond; beyond 71 minutes, where f32
-/// itself resolves 0.5 ms, to 4 ms. Spans of over 203 days come out as that.
+/// Seconds from one time to a later one, to f32 and to the microsecond; beyond 71 minutes, where f32 itself
+/// resolves 0.5 ms, to 4 ms. Spans of over 203 days are returned as that.
 #[must_use]
 #[inline]
 pub fn elapsed_s(from_us: u64, to_us: u64) -> f32 {
@@ -39,7 +39,7 @@ mod tests {
         }
         assert_eq!(elapsed_s(7, 6), 0.0);
         assert_eq!(elapsed_s(0, 5_000), 0.005);
-        // Where the two ways meet they agree to the coarser one's resolution.
+        // Where the two branches meet, they agree to the coarser one's resolution.
         let seam = u64::from(u32::MAX);
         assert!((elapsed_s(0, seam + 4096) - elapsed_s(0, seam)).abs() < 0.01);
     }

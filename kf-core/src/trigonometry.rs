@@ -1,17 +1,17 @@
-//! Sine and cosine in single precision throughout: `libm`'s compute in double, which the flight computer
-//! has no hardware for.
+//! Sine and cosine in single precision throughout: `libm`'s compute in double precision, for which the flight
+//! computer has no hardware.
 
 use core::f32::consts::FRAC_2_PI;
 
-/// Largest angle, rad: up to here the reduction loses nothing.
+/// Largest angle, rad: up to here the reduction is without loss.
 pub const LARGEST_ANGLE_RAD: f32 = 1_000.0;
 
 /// Pi/2 in parts of few bits each, so that small multiples of them are exact (Cody and Waite, "Software
 /// Manual for the Elementary Functions", 1980; the parts are twice those of Moshier's Cephes, `sinf.c`).
 const HALF_PI: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
 
-/// Sine and cosine of an angle in radians, each within 1.2e-7; `None` beyond [`LARGEST_ANGLE_RAD`] and
-/// for what is not finite.
+/// Sine and cosine of an angle in radians, each within 1.2e-7; `None` beyond [`LARGEST_ANGLE_RAD`] and if the
+/// angle is not finite.
 ///
 /// Minimax polynomials over a quarter turn: Moshier, Cephes Mathematical Library, `sinf.c`.
 #[must_use]

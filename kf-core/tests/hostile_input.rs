@@ -1,4 +1,4 @@
-//! Any bits at all as input: no panic, nothing published but numbers, nobody but the poisoned sensor harmed.
+//! Arbitrary bits as input: no panic, only finite numbers published, only the poisoned sensor affected.
 //!
 //! `cargo run -p kf-core --example hostile -- 100000000` flies more of the same.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
@@ -16,7 +16,7 @@ fn any_input_for_the_whole_mission_publishes_numbers_only() {
     assert!(came.decided > 20 && came.integrated > 1_000, "{came:?}");
 }
 
-/// A minute under the pylon, with the readings of one sensor changed.
+/// A minute of captive flight, with the readings of one sensor changed.
 fn latched(change: impl Fn(&mut TickInput, &mut Random)) -> LatchRecord {
     let (mut noise, mut random) = (Random(5), Random(6));
     let mut mission = Flown::new(&config()).unwrap();
@@ -29,9 +29,9 @@ fn latched(change: impl Fn(&mut TickInput, &mut Random)) -> LatchRecord {
     mission.latch().unwrap().clone()
 }
 
-/// Other sensors' biases are what they are without the poisoned one, within a thousandth of their own sigmas:
-/// the first poison of a level is taken at a prior that says nothing of the altitude, the others are only
-/// judged. What remains, up to 1.2e-6, is rounding; without probation it is 1.13.
+/// Other sensors' biases equal those without the poisoned one, within a thousandth of their own sigmas. The
+/// first poison of a level is taken at a prior that carries no information about the altitude; the others are
+/// only judged. The remaining difference, up to 1.2e-6, is rounding; without probation it is 1.13.
 #[test]
 fn one_poisoned_sensor_never_touches_anothers_state() {
     type Change = fn(&mut TickInput, Option<f32>);
@@ -47,7 +47,7 @@ fn one_poisoned_sensor_never_touches_anothers_state() {
                 let is_new = input.baro.is_some();
                 match () {
                     () if is_new && random.one_in(rarity) => set(input, Some(random.hostile())),
-                    // In between it is silent: what remains is poison only.
+                    // In between it is silent: only poison remains.
                     () => set(input, None),
                 }
             });

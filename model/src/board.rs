@@ -1,4 +1,4 @@
-//! What a flight computer can measure, for the formulas of its model.
+//! Signals that a flight computer measures, for the formulas of its model.
 
 use kf_core::effect::EffectId;
 use kf_core::formula::Signal;
@@ -8,13 +8,13 @@ use crate::{Model, ModelError};
 /// A board that a model is built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Board {
-    /// One that flies a flight record: every signal that the estimator knows.
+    /// A computer that replays a flight record: every signal that the estimator knows.
     Recorded,
     /// The STM32F405's own sensors: barometer, inertial unit, receiver.
     F405,
 }
 
-/// What the F405 board has no sensor for; see its `absent.rs`.
+/// Signals without a sensor on the F405 board; see its `absent.rs`.
 const NOT_ON_F405: [&str; 9] = [
     "tas_mps",
     "aoa_rad",
@@ -29,22 +29,23 @@ const NOT_ON_F405: [&str; 9] = [
 
 impl Board {
     fn has(self, signal: Signal) -> bool {
-        // The speed over ground stands in for the airspeed.
+        // The speed over ground replaces the airspeed.
         let is_absent = |need: &&str| NOT_ON_F405.contains(need) && signal != Signal::Airspeed;
         self == Self::Recorded || !signal.needs().iter().any(is_absent)
     }
 }
 
 impl Model {
-    /// Whether a board has the signals of every formula that the model uses.
+    /// Checks that a board has the signals of every formula that the model uses.
     ///
     /// # Errors
-    /// [`ModelError::NotOnBoard`] for the first effect that lacks one, with all that it lacks.
+    /// [`ModelError::NotOnBoard`] for the first effect that lacks a signal, with all the signals that it
+    /// lacks.
     pub fn check_signals(&self, board: Board) -> Result<(), ModelError> {
         self.effects.iter().try_for_each(|effect| self.check_signals_of(effect.term.id(), board))
     }
 
-    /// Whether a board has the signals of one effect's formula.
+    /// Checks that a board has the signals of one effect's formula.
     ///
     /// # Errors
     /// As [`Self::check_signals`].

@@ -12,23 +12,23 @@ use crate::{Model, ModelError};
 const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_ECMA_182);
 
 impl Model {
-    /// A number that stands for everything that [`codegen`] writes: equal for models that fly alike,
-    /// to the bit, whatever the layout of their files. Provenance and revisions do not enter it.
+    /// Fingerprint of everything that [`codegen`] writes: equal for models that behave the same in flight, to
+    /// the bit, whatever the layout of their files. Provenance and revisions are not included.
     ///
     /// # Errors
-    /// What [`Model::validate`] finds.
+    /// The first error of [`Model::validate`].
     pub fn fingerprint(&self) -> Result<u64, ModelError> {
         Ok(CRC.checksum(mission_source(self)?.as_bytes()))
     }
 }
 
 /// Rust source that defines `HEAD`, `TAIL` and `EFFECTS` (see [`crate::Shape`]), `FINGERPRINT` (see
-/// [`Model::fingerprint`]) and
-/// `mission_config() -> kf_core::config::MissionConfig<EFFECTS>`, for `include!` in a crate that depends
-/// on `kf_core`. Floats are written by their bits, so the firmware has exactly the host's.
+/// [`Model::fingerprint`]) and `mission_config() -> kf_core::config::MissionConfig<EFFECTS>`, for `include!`
+/// in a crate that depends on `kf_core`. Floats are written as bits, so the firmware has exactly the host's
+/// values.
 ///
 /// # Errors
-/// What [`Model::validate`] finds.
+/// The first error of [`Model::validate`].
 pub fn codegen(model: &Model) -> Result<String, ModelError> {
     let fingerprint = model.fingerprint()?;
     Ok(format!(
@@ -141,7 +141,7 @@ fn mission_source(model: &Model) -> Result<String, ModelError> {
     Ok(source)
 }
 
-/// The value by its bits, with its decimal form beside it for the reader.
+/// The value as bits, with its decimal form beside it for the reader.
 fn float(value: f32) -> String {
     format!("f32::from_bits(0x{:08x} /* {value} */)", value.to_bits())
 }
@@ -174,8 +174,8 @@ fn terms(definitions: &[EffectId], terms: impl Iterator<Item = EffectTerm>) -> S
     format!("[{list}]")
 }
 
-/// An array that becomes a `heapless::Vec` without naming that crate; that it fits is then checked when
-/// the firmware is compiled.
+/// An array that becomes a `heapless::Vec` without naming that crate; that it fits is then checked when the
+/// firmware is compiled.
 fn constant_terms(definitions: &[EffectId], model: &Model) -> String {
     if model.constant_effects().next().is_none() {
         return "Default::default()".to_owned();
@@ -193,7 +193,7 @@ fn definition(number: usize, id: EffectId) -> String {
         EffectSubject::Sensor(sensor) => format!("Sensor(kf_core::sensor::Sensor::{sensor:?})"),
     };
     let [least, most] = parts.plausible.map(float);
-    // The texts are for the desk.
+    // The texts are for the desk only.
     format!(
         "/// Effect by formula: {law}\nstatic DEFINITION_{number}: kf_core::effect::Definition = {{\n\
          use kf_core::effect::{{Definition, EffectSubject, Parts}};\n\
@@ -212,7 +212,7 @@ fn definition(number: usize, id: EffectId) -> String {
     )
 }
 
-/// An operation, its numbers by their bits.
+/// An operation, with its numbers as bits.
 fn operation(op: Op) -> String {
     match op {
         Op::Constant(value) => format!("Constant({})", float(value)),

@@ -1,4 +1,4 @@
-//! Effects by formula, of a model's `[[effect_definition]]` tables.
+//! Effects by formula, from a model's `[[effect_definition]]` tables.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -13,10 +13,10 @@ use crate::ModelError;
 use crate::file::{nearest, row_and_column};
 use crate::formula::{Columns, Dimension, Expression, Formula, FormulaError, Kind, of_catalogue, parse};
 
-/// What `on` says for an effect that every sensor has alike.
+/// Value of `on` for an effect that all sensors have alike.
 const EVERY_SENSOR: &str = "every sensor";
 
-/// An `[[effect_definition]]`.
+/// One `[[effect_definition]]` table.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DefinitionTable {
@@ -27,7 +27,7 @@ pub(crate) struct DefinitionTable {
     unit: String,
     plausible: [f32; 2],
     about: Option<String>,
-    /// Units of columns that neither the estimator knows nor their names say.
+    /// Units of columns that the estimator does not know and whose names do not give a unit.
     #[serde(default)]
     units: BTreeMap<String, String>,
 }
@@ -43,7 +43,7 @@ pub struct Definitions {
     pub(crate) columns: Columns,
 }
 
-/// The definitions of the tables of a model's text.
+/// The definitions from the tables of a model's text.
 pub(crate) fn definitions(tables: &[DefinitionTable], text: &str) -> Result<Definitions, ModelError> {
     let mut trees = BTreeMap::new();
     for table in tables {
@@ -84,7 +84,7 @@ fn check_id(table: &DefinitionTable, tables: &[DefinitionTable], text: &str) -> 
             && word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
     };
     let words: Vec<&str> = id.split('.').collect();
-    // With what telemetry says before it, no more than a text of MAVLink's holds.
+    // With telemetry's prefix, the longest id that fits into a MAVLink text.
     const LONGEST: usize = 40;
     if id.len() > LONGEST || words.len() != 2 || !words.into_iter().all(is_word) {
         return Err(ModelError::DefinitionId { row, id: id.clone() });
@@ -112,7 +112,7 @@ impl DefinitionTable {
         match (on, sensor) {
             (_, Some(sensor)) => Ok((EffectSubject::Sensor(sensor), false)),
             ("gps", _) => Ok((EffectSubject::Gps, false)),
-            // What every sensor has alike is the reference's, with the opposite sign.
+            // An effect that all sensors have alike is the reference's, with the opposite sign.
             (EVERY_SENSOR, _) => Ok((EffectSubject::Gps, true)),
             _ => {
                 let (row, _) = row_and_column(text, self.on.span().start);
@@ -180,7 +180,7 @@ impl DefinitionTable {
     }
 }
 
-/// A power of two with which the largest plausible coefficient makes some 16 metres: what the regressor is in
+/// A power of two with which the largest plausible coefficient gives about 16 metres: the regressor's size in
 /// flight is not known here.
 fn typical_regressor_m([least, most]: [f32; 2]) -> f32 {
     let largest = least.abs().max(most.abs());
@@ -190,11 +190,11 @@ fn typical_regressor_m([least, most]: [f32; 2]) -> f32 {
 
 fn negated(program: &Program) -> Option<Program> {
     let ops: Vec<Op> = program.ops().iter().copied().chain([Op::Negate]).collect();
-    // Masks that are not used are 0, and do no harm.
+    // Unused masks are 0 and harmless.
     Program::new(&ops, program.masks())
 }
 
-/// The tree with what it names by id put in its place; what is not there stays, and is refused when it is
+/// The tree with every id replaced by its definition. An unknown id stays, and is refused when the tree is
 /// compiled.
 fn inlined(
     tree: &Expression,
@@ -229,7 +229,7 @@ fn inlined(
     Ok(Expression { kind, span: tree.span.clone() })
 }
 
-/// A tree of another text, all of it where it was named in this one.
+/// A tree of another text, with all its spans at the place in this text that named it.
 fn placed(tree: Expression, at: &Expression) -> Expression {
     let boxed = |inner: Box<Expression>| Box::new(placed(*inner, at));
     let kind = match tree.kind {
@@ -243,10 +243,10 @@ fn placed(tree: Expression, at: &Expression) -> Expression {
     Expression { kind, span: at.span.clone() }
 }
 
-/// Every definition that this process has seen: an effect's id is a reference to one, which must stay.
+/// Every definition that this process has seen: an effect's id is a reference to one, so it must live on.
 static DEFINITIONS: Mutex<Vec<&'static Definition>> = Mutex::new(Vec::new());
 
-/// The definition of these parts, always the same for the same; a process keeps some kilobyte for each that
+/// The definition of these parts, the same one for equal parts; a process keeps some kilobyte for each that
 /// it has read.
 fn interned(parts: Parts) -> &'static Definition {
     let mut known = DEFINITIONS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -266,7 +266,7 @@ fn interned(parts: Parts) -> &'static Definition {
     new
 }
 
-/// A text that stays, always the same for the same.
+/// A text with static lifetime, the same one for equal texts.
 fn leaked(text: &str) -> &'static str {
     static TEXTS: Mutex<Vec<&'static str>> = Mutex::new(Vec::new());
     let mut known = TEXTS.lock().unwrap_or_else(PoisonError::into_inner);
@@ -301,7 +301,7 @@ mod tests {
         assert_eq!((id.unit(), id.needs(), id.plausible()), ("1", &["tas_mps", "flap"][..], [-0.5, 0.5]));
         assert_eq!(id.typical_regressor_m(), 32.0);
         assert_eq!(Model::default().effect_named("baro.flap_wash"), None);
-        // The same again is the same effect; another formula is another.
+        // The same again is the same effect; another formula is a different one.
         assert_eq!(Model::parse(FLAP).unwrap().definitions(), [id]);
         assert_ne!(Model::parse(&with("2*g", "3*g")).unwrap().definitions(), [id]);
         assert_eq!(model.catalogue().count(), 23);
@@ -363,7 +363,7 @@ mod tests {
         let model = Model::parse(&named).unwrap();
         let id = model.effect_named("baro.two").unwrap();
         assert_eq!(id.subject().name(), "gps");
-        // What it is made of is part of it.
+        // The definitions that it uses are part of it.
         let changed = Model::parse(&named.replace("2*g", "3*g")).unwrap();
         assert_ne!(changed.effect_named("baro.two").unwrap(), id);
     }
@@ -379,7 +379,7 @@ mod tests {
         };
         let formula = format!("formula = \"{now}\"\n");
         assert!(Model::parse(&learned(FLAP, &formula)).is_ok());
-        // Layout is no change.
+        // A different layout is not a change.
         assert!(Model::parse(&learned(&with("2*g", " 2 * (g) "), &formula)).is_ok());
         let said = refused(&learned(&with("2*g", "2.5*g"), &formula));
         assert!(said.contains("was learned for another formula") && said.contains(&now), "{said}");
@@ -410,7 +410,7 @@ mod tests {
         assert_eq!(lacks("throttle * tas_mps^2/g", Board::Recorded), None);
         assert!(lacks("throttle * airspeed_mps^2/g", Board::F405).unwrap().contains("reads throttle, which"));
         assert_eq!(lacks("load_factor * airspeed_mps^2/g", Board::F405), None);
-        // Only what the model accounts for flies.
+        // Only the effects that the model accounts for fly.
         assert!(Model::parse(FLAP).unwrap().check_signals(Board::F405).is_ok());
         let source = codegen(&flown("throttle * tas_mps^2/g")).unwrap();
         assert!(source.contains("Defined(&DEFINITION_0)") && source.contains("Op::Power(2)"), "{source}");

@@ -7,8 +7,7 @@ use thiserror::Error;
 
 use crate::formula::FormulaError;
 
-/// A model that cannot be used; displays as one line, but for a formula, which is shown with carets under the
-/// place.
+/// A model that cannot be used. Displays as one line; a formula is shown with carets under the place.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -22,10 +21,9 @@ pub enum ModelError {
         row: usize,
         /// Character in the line, from 1.
         column: usize,
-        /// What is wrong, and what was expected, in one line and with the key that is nearest to an unknown
-        /// one.
+        /// What is wrong and what was expected, in one line, with the nearest key to an unknown one.
         message: String,
-        /// The same, as the parser says it.
+        /// The parser's original error.
         source: Box<toml::de::Error>,
     },
     /// An effect that the catalogue does not have.
@@ -35,10 +33,10 @@ pub enum ModelError {
         row: usize,
         /// The id.
         id: String,
-        /// The ids that are nearest to it.
+        /// The nearest ids.
         nearest: String,
     },
-    /// A formula that is none.
+    /// An invalid formula.
     #[error("row {row}: the regressor of effect_definition {id}: {error}")]
     Formula {
         /// Line, from 1.
@@ -49,7 +47,7 @@ pub enum ModelError {
         #[source]
         error: Box<FormulaError>,
     },
-    /// An id that no definition can have.
+    /// An invalid definition id.
     #[error(
         "row {row}: effect_definition id '{id}', expected two words of small letters, digits and _ with a point between and no more than 40 of them, such as baro.flap_wash"
     )]
@@ -59,35 +57,35 @@ pub enum ModelError {
         /// The id.
         id: String,
     },
-    /// An id that is taken.
+    /// An id that is already used.
     #[error("row {row}: effect_definition '{id}' has the id of {with}: give it another")]
     DefinitionClash {
         /// Line, from 1.
         row: usize,
         /// The id.
         id: String,
-        /// What has it already.
+        /// The present owner of the id.
         with: &'static str,
     },
-    /// A definition on what is no sensor.
+    /// A definition on something that is not a sensor.
     #[error("row {row}: on = '{on}' is not a sensor; nearest: {nearest}")]
     DefinitionOn {
         /// Line, from 1.
         row: usize,
-        /// What it says.
+        /// The value of `on`.
         on: String,
-        /// What it may mean.
+        /// The nearest valid values.
         nearest: String,
     },
-    /// Definitions that are made of each other.
+    /// Definitions that refer to each other in a circle.
     #[error("row {row}: the definitions {path} refer to each other in a circle: write one of them out")]
     Cycle {
         /// Line, from 1.
         row: usize,
-        /// The ids, from the first back to one of them.
+        /// The ids, from the first back to a repeated one.
         path: String,
     },
-    /// A learned coefficient of a formula that has changed.
+    /// A learned coefficient whose formula has changed.
     #[error(
         "row {row}: the coefficient of {id} was learned for another formula ({found}) than effect_definition {id} has now ({now}): \
          learn it again (remove this [[effect]], then pylon add {id} --model MODEL.toml --from FLIGHT), or bring the old definition back"
@@ -97,12 +95,12 @@ pub enum ModelError {
         row: usize,
         /// The effect.
         id: &'static str,
-        /// The fingerprint that is written beside the coefficient.
+        /// The fingerprint written beside the coefficient.
         found: String,
-        /// The definition's.
+        /// The definition's fingerprint.
         now: String,
     },
-    /// A learned coefficient that does not say of which formula.
+    /// A learned coefficient without the fingerprint of its formula.
     #[error(
         "row {row}: the coefficient of {id} was learned, and does not say for which formula: learn it again with pylon add, or, if \
          it is one of the definition as it stands, add formula = \"{now}\""
@@ -115,53 +113,53 @@ pub enum ModelError {
         /// The definition's fingerprint.
         now: String,
     },
-    /// A formula of signals that a flight computer does not have.
+    /// A formula with signals that a flight computer does not have.
     #[error(
         "effect {id} reads {signals}, which the flight computer does not have: measure it there, or leave the effect out of the model that flies"
     )]
     NotOnBoard {
         /// The effect.
         id: &'static str,
-        /// What it lacks.
+        /// The missing signals.
         signals: String,
     },
-    /// Formulas that remember more than there is room for.
+    /// Formulas whose memory does not fit.
     #[error(
         "the effects by formula remember {found} numbers; with {estimated} estimated effects a restart keeps {most}: use fewer integrals, means and delays, or estimate fewer effects"
     )]
     FormulaWords {
-        /// How many.
+        /// Numbers that they remember.
         found: usize,
-        /// How many there can be.
+        /// Largest number possible.
         most: usize,
         /// Effects that are states.
         estimated: usize,
     },
-    /// A value that its key cannot have.
+    /// A value that is invalid for its key.
     #[error("{key} is {found}, expected {expected}")]
     Value {
         /// The key, with its tables.
         key: String,
         /// The value.
         found: String,
-        /// What it can be.
+        /// The valid values.
         expected: &'static str,
     },
-    /// A key that does nothing beside another.
+    /// A key without effect because of another.
     #[error("{key} has no effect while {because}; remove one of them")]
     NoEffect {
         /// The key.
         key: &'static str,
-        /// Why.
+        /// The reason.
         because: &'static str,
     },
-    /// An effect that is there twice.
+    /// An effect that occurs twice.
     #[error("effect {id} occurs twice, expected once")]
     Twice {
         /// The id.
         id: &'static str,
     },
-    /// Two revisions with one number.
+    /// Two revisions with the same number.
     #[error(
         "revision {number} in row {second} clashes with the one in row {first}: give one of them another number"
     )]
@@ -173,22 +171,22 @@ pub enum ModelError {
         /// Line of the second.
         second: usize,
     },
-    /// More effects than the estimator holds.
+    /// More effects than the estimator can hold.
     #[error("{found} {kind} effects, expected at most {most}")]
     TooMany {
         /// Estimated or constant.
         kind: &'static str,
-        /// How many there are.
+        /// Number of effects.
         found: usize,
-        /// How many there can be.
+        /// Largest number possible.
         most: usize,
     },
-    /// The caller's number of estimated effects is not the model's.
+    /// The caller's number of estimated effects differs from the model's.
     #[error("the model estimates {found} effects, the mission is made for {wanted}")]
     Effects {
-        /// Of the mission.
+        /// Number in the mission.
         wanted: usize,
-        /// Of the model.
+        /// Number in the model.
         found: usize,
     },
     /// Any of these, in a file.

@@ -14,7 +14,7 @@ use crate::definitions::{DefinitionTable, definitions};
 use crate::{Effect, Model, ModelError, Revision, SECOND_CORRECTION_WANDER_M_PER_SQRT_S};
 
 impl Model {
-    /// The preset of that name (`default`, `paper`), or else the model in the file of that name.
+    /// The preset with this name (`default`, `paper`), otherwise the model in the file with this name.
     ///
     /// # Errors
     /// As [`Model::read`].
@@ -25,7 +25,7 @@ impl Model {
     /// Reads a model from a file.
     ///
     /// # Errors
-    /// [`ModelError::InFile`] with the first thing that is wrong.
+    /// [`ModelError::InFile`] with the first error.
     pub fn read(file: &Path) -> Result<Self, ModelError> {
         fs::read_to_string(file)
             .map_err(ModelError::Io)
@@ -33,10 +33,10 @@ impl Model {
             .map_err(|error| ModelError::InFile { file: file.to_path_buf(), error: Box::new(error) })
     }
 
-    /// Reads a model from TOML text; a missing key has the default preset's value.
+    /// Reads a model from TOML text; a missing key takes the default preset's value.
     ///
     /// # Errors
-    /// The first thing in it that is not TOML, not a model's, or not possible.
+    /// The first part of it that is not TOML, not a model's, or not possible.
     pub fn parse(text: &str) -> Result<Self, ModelError> {
         let file: ModelFile = toml::from_str(text).map_err(|error| syntax_error(text, error))?;
         let mut model = Self::default();
@@ -194,7 +194,7 @@ struct RevisionTable {
     held_out_after_m: Option<f64>,
 }
 
-/// A date, as TOML's own or as text.
+/// A date, as a TOML date or as text.
 fn date_or_text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
     use serde::de::Error as _;
     match toml::Value::deserialize(deserializer)? {
@@ -314,7 +314,7 @@ impl SensorTables {
 }
 
 impl EffectTable {
-    /// A learned coefficient belongs to the formula that it was learned for.
+    /// Checks that a learned coefficient belongs to its effect's present formula.
     fn check_formula(&self, id: EffectId, text: &str) -> Result<(), ModelError> {
         let row = |place: std::ops::Range<usize>| row_and_column(text, place.start).0;
         let Some(parts) = id.formula() else {
@@ -353,7 +353,8 @@ impl EffectTable {
                 expected: "a number",
             })
         };
-        // A prior mean of zero says nothing; a constant coefficient or a prior without sigma would.
+        // A prior mean of zero is neutral; a default for a constant coefficient or a prior sigma would not
+        // be.
         let coefficient = required("coefficient", self.coefficient, self.estimate.then_some(0.0))?;
         let sigma = required("sigma", self.sigma, (!self.estimate).then_some(0.0))?;
         let mut regressor = Regressor::new(id);
@@ -377,7 +378,7 @@ impl EffectTable {
     }
 }
 
-/// The effect of that id.
+/// The effect with this id.
 fn effect_id(name: &Spanned<String>, model: &Model, text: &str) -> Result<EffectId, ModelError> {
     model.effect_named(name.get_ref()).ok_or_else(|| {
         let (row, _) = row_and_column(text, name.span().start);
@@ -386,7 +387,7 @@ fn effect_id(name: &Spanned<String>, model: &Model, text: &str) -> Result<Effect
     })
 }
 
-/// The revisions, no two of which have the same number.
+/// The revisions, checked that no two have the same number.
 fn revisions(tables: Vec<RevisionTable>, model: &Model, text: &str) -> Result<Vec<Revision>, ModelError> {
     let mut rows: BTreeMap<u32, usize> = BTreeMap::new();
     let mut revisions = Vec::with_capacity(tables.len());
@@ -438,7 +439,7 @@ pub(crate) fn nearest(name: &str, known: &[&str]) -> String {
     names.join(", ")
 }
 
-/// A formula's fingerprint as `[[effect]]` has it in `formula`.
+/// A formula's fingerprint as written in `formula` of `[[effect]]`.
 #[must_use]
 pub fn fingerprint_text(fingerprint: u64) -> String {
     format!("{fingerprint:016x}")
@@ -455,7 +456,7 @@ pub(crate) fn row_and_column(text: &str, byte: usize) -> (usize, usize) {
 fn syntax_error(text: &str, error: toml::de::Error) -> ModelError {
     let (row, column) = row_and_column(text, error.span().map_or(0, |span| span.start));
     let message = one_line(error.message());
-    // serde's own words: "unknown field `a`, expected one of `b`, `c`". Every second piece is a name.
+    // serde's wording: "unknown field `a`, expected one of `b`, `c`". Every second piece is a name.
     let mut pieces = message.split('`').skip(1).step_by(2);
     let message = match pieces.next() {
         Some(found) if message.starts_with("unknown field") => {

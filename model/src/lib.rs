@@ -1,8 +1,8 @@
-//! What the sensors are believed to be: their noise and priors, the monitor's rule, and the effects that
-//! are accounted for. A model is a TOML file; the workbench and the firmware's build read the same one.
+//! Model of the sensors: their noise and priors, the monitor's rule, and the effects that are accounted for.
+//! A model is a TOML file; the workbench and the firmware's build read the same one.
 //!
-//! The keys, their units and defaults are in `flights/models/README.md`; every key's value lands in the
-//! field of [`kf_core::config`] that has its name.
+//! The keys, their units and defaults are in `flights/models/README.md`; every key sets the field of
+//! [`kf_core::config`] with the same name.
 
 mod board;
 mod codegen;
@@ -27,10 +27,10 @@ pub use error::ModelError;
 pub use file::fingerprint_text;
 pub use presets::SECOND_CORRECTION_WANDER_M_PER_SQRT_S;
 
-/// An effect of a model, and where its coefficient comes from.
+/// An effect of a model, and the origin of its coefficient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effect {
-    /// Which effect, its coefficient and that coefficient's sigma.
+    /// The effect, its coefficient and the coefficient's sigma.
     pub term: EffectTerm,
     /// Whether the coefficient is a state of the filter rather than a constant.
     pub estimate: bool,
@@ -40,10 +40,10 @@ pub struct Effect {
     pub date: Option<String>,
 }
 
-/// One change of a model: which effect was added or learned anew, and what it did to the error.
+/// One change of a model: the effect that was added or learned again, and the error before and after.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Revision {
-    /// Its number; no two of a model are the same.
+    /// Its number, unique in a model.
     pub number: u32,
     /// When it was made.
     pub date: Option<String>,
@@ -51,36 +51,36 @@ pub struct Revision {
     pub effect: Option<EffectId>,
     /// The flight that its coefficient was learned from.
     pub learned_from: Option<String>,
-    /// The effect's coefficient as this revision left it; what else the effect has is with the effect.
+    /// The effect's coefficient after this revision; its other values are stored with the effect.
     pub coefficient: Option<f32>,
     /// That coefficient's sigma.
     pub sigma: Option<f32>,
     /// Whether it was a state of the filter.
     pub estimate: Option<bool>,
-    /// The time constant of its regressor, seconds, where it has one.
+    /// The time constant of its regressor, seconds, if it has one.
     pub time_constant_s: Option<f32>,
-    /// When that regressor's clock starts, where it has a time constant.
+    /// When that regressor's clock starts, if it has a time constant.
     pub since: Option<Clock>,
-    /// The coefficient that this one took the place of, where the model had the effect before.
+    /// The coefficient that this one replaced, if the model had the effect before.
     pub replaced_coefficient: Option<f32>,
     /// Root mean square error on that flight with the revision before this one, metres.
     pub rms_before_m: Option<f64>,
     /// The same with this revision, metres.
     pub rms_after_m: Option<f64>,
-    /// As [`Self::rms_before_m`], on what was held out.
+    /// As [`Self::rms_before_m`], on held-out data.
     pub held_out_before_m: Option<f64>,
-    /// As [`Self::rms_after_m`], on what was held out.
+    /// As [`Self::rms_after_m`], on held-out data.
     pub held_out_after_m: Option<f64>,
 }
 
 /// A model. [`Default`] is the default preset: today's MEMS sensors and GPS.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// First part of captive flight that is ignored, seconds.
+    /// Settling time: the first part of captive flight, which is ignored, seconds.
     pub settling_s: f32,
     /// The reference.
     pub reference: ReferenceConfig,
-    /// Where the model flies, degrees of latitude, north positive; only `imu.eotvos` needs it.
+    /// Latitude of the flights, degrees, north positive; only `imu.eotvos` needs it.
     pub latitude_deg: f32,
     /// The sensors, in the order of [`kf_core::sensor::Sensor`].
     pub sensors: [SensorConfig; SENSORS],
@@ -90,7 +90,7 @@ pub struct Model {
     pub second_correction: SecondCorrection,
     /// Thresholds of the calibration's checks.
     pub quality: QualityConfig,
-    /// The effects by formula that it defines, whether or not it has them.
+    /// The effects by formula that the model defines, whether or not it accounts for them.
     pub definitions: Definitions,
     /// The effects, in file order.
     pub effects: Vec<Effect>,
@@ -98,7 +98,7 @@ pub struct Model {
     pub revisions: Vec<Revision>,
 }
 
-/// The sizes of the filter that a model needs: the const parameters of `kf_core`'s `Mission`.
+/// The filter sizes that a model needs: the const parameters of `kf_core`'s `Mission`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shape {
     /// Head states: see `kf_core::ud`.
@@ -133,12 +133,12 @@ impl Model {
         &self.definitions.columns
     }
 
-    /// Every effect that there is for this model: the catalogue's, then its own.
+    /// Every effect available to this model: the catalogue's, then its own.
     pub fn catalogue(&self) -> impl Iterator<Item = EffectId> {
         EffectId::ALL.into_iter().chain(self.definitions.effects.iter().copied())
     }
 
-    /// The effect of that id, of the catalogue or the model's own.
+    /// The effect with this id, from the catalogue or the model's own.
     #[must_use]
     pub fn effect_named(&self, name: &str) -> Option<EffectId> {
         self.catalogue().find(|effect| effect.name() == name)
@@ -150,7 +150,7 @@ impl Model {
         file::nearest(name, &self.catalogue().map(EffectId::name).collect::<Vec<_>>())
     }
 
-    /// What is unlikely, one line each: coefficients that nature does not make.
+    /// Warnings about unlikely values, one line each: coefficients that do not occur in nature.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let unlikely = self.effects.iter().filter_map(|effect| {
@@ -168,7 +168,7 @@ impl Model {
         unlikely.collect()
     }
 
-    /// The sizes of the filter that this model needs.
+    /// The filter sizes that this model needs.
     ///
     /// Without climb-rate propagation the biases are head states and the rest is the tail (3 and 1 + E:
     /// the paper's problem); the process noise of propagation leaves no head (0 and 4 + E).
@@ -185,8 +185,8 @@ impl Model {
     /// The configuration of a mission with `E` estimated effects.
     ///
     /// # Errors
-    /// [`ModelError::Effects`] when the model has another number of estimated effects, and what
-    /// [`Model::validate`] finds.
+    /// [`ModelError::Effects`] if the model has another number of estimated effects, and the first error of
+    /// [`Model::validate`].
     pub fn mission_config<const E: usize>(&self) -> Result<MissionConfig<E>, ModelError> {
         self.validate()?;
         let estimated: Vec<EffectTerm> = self.estimated_effects().map(|effect| effect.term).collect();

@@ -1,4 +1,4 @@
-//! The two presets, and where their numbers come from.
+//! The two presets, and the sources of their numbers.
 
 use kf_core::config::{
     ClimbRate, MonitorConfig, QualityConfig, ReferenceConfig, SecondCorrection, SensorConfig, SigmaSource,
@@ -7,8 +7,8 @@ use kf_core::config::{
 use crate::Model;
 use crate::definitions::Definitions;
 
-/// Wander of the Kalman filter of section 4 where a model does not give one, m per root second: an error
-/// that grows by some 10 m within the 100 s of a dive and level-off.
+/// Wander of the Kalman filter of section 4 if a model does not give one, m per root second: an error that
+/// grows by about 10 m within the 100 s of a dive and level-off.
 pub const SECOND_CORRECTION_WANDER_M_PER_SQRT_S: f32 = 1.0;
 
 impl Default for Model {
@@ -18,17 +18,17 @@ impl Default for Model {
             settling_s: 10.0,
             reference: ReferenceConfig {
                 // Data sheets give about 2 m CEP, 1.7 m a horizontal axis; the vertical is worse, SBAS
-                // makes it better. Logs show 1 to 5 m of wander over minutes (ionosphere, ephemerides,
+                // improves it. Logs show 1 to 5 m of wander over minutes (ionosphere, ephemerides,
                 // multipath): its correlation time is of the order of a minute.
                 sigma_m: 2.0,
                 correlation_time_s: 60.0,
                 prior_altitude_m: None,
-                // About the first fix; wide, since that fix is then used as a measurement too.
+                // About the first fix; wide, because that fix is then also used as a measurement.
                 prior_sigma_m: 50.0,
-                // Doppler: 0.05 m/s (50 %) a horizontal axis by the data sheets, twice to three times
-                // that in the vertical; its errors are multipath's and the clock's, some seconds long.
+                // Doppler: 0.05 m/s (50 %) a horizontal axis by the data sheets, twice to three times that in
+                // the vertical; its errors come from multipath and the clock and last some seconds.
                 climb_rate: Some(ClimbRate { sigma_mps: 0.15, correlation_time_s: 5.0 }),
-                // Without fixes the climb rate is old as well: 0.2 m/s^2 of it is 2.5 m in 5 s, more
+                // Without fixes the climb rate becomes old as well: 0.2 m/s^2 of it is 2.5 m in 5 s, more
                 // than a fix's own error. Slow loggers (a fix every 4 s) stay below this.
                 lost_after_s: 5.0,
             },
@@ -43,8 +43,8 @@ impl Default for Model {
                     wander_m_per_sqrt_s: 0.1,
                 },
                 // Strapdown vertical channel of a MEMS unit: 1 mg of uncompensated accelerometer bias
-                // (temperature, g-dependence) is 18 m after 60 s, and the bias follows it by a wander of
-                // the same size: 18 m / sqrt(60 s) = 2.3 m per root second.
+                // (temperature, g-dependence) is 18 m after 60 s, and the bias estimate follows it with a
+                // wander of the same size: 18 m / sqrt(60 s) = 2.3 m per root second.
                 SensorConfig {
                     sigma_m: 1.0,
                     correlation_time_s: 1.0,
@@ -64,32 +64,32 @@ impl Default for Model {
                     wander_m_per_sqrt_s: 0.14,
                 },
             ],
-            // One sigma would raise `doubtful` on every healthy sensor within a second or two.
+            // A limit of one sigma would raise `doubtful` on every healthy sensor within a second or two.
             monitor: MonitorConfig {
                 sigma: SigmaSource::Residual,
                 multiplier: 3.0,
                 window_s: 2.0,
-                // A transient of a second passes, with a quarter for what a chip takes to deliver again. A
-                // drift does not notice: its average comes a second after its error.
+                // A transient of a second passes, with a quarter for the time until a chip delivers again.
+                // Drifts are not delayed: a drift's average follows its error a second later.
                 persistence_s: 1.25,
                 reference_check: true,
             },
             second_correction: SecondCorrection::Off,
             quality: QualityConfig {
-                // Half a correlation time of the reference: shorter, its wander is the bias's error.
+                // Half a correlation time of the reference: if shorter, its wander becomes the bias's error.
                 minimum_duration_s: 30.0,
                 // An autopilot's altitude and speed hold in light turbulence.
                 trimmed_altitude_m: 10.0,
                 trimmed_airspeed_mps: 2.0,
-                // A receiver that has not converged drifts by metres against its own Doppler. A converged
-                // one: its 2 m of wander, and 0.47 m per root second of Doppler, 2.6 m in the last 30 s of a
-                // minute. 6 m is two sigma of both.
+                // A receiver that has not converged drifts by metres against its own Doppler. A converged one
+                // drifts by its 2 m of wander, and by 0.47 m per root second of Doppler, 2.6 m in the last 30
+                // s of a minute. 6 m is two sigma of both.
                 reference_drift_m: 6.0,
-                // Four solve for position and clock; six leave two to see a bad one with.
+                // Four solve for position and clock; six leave two for detecting a bad one.
                 minimum_satellites: 6,
                 vertical_accuracy_m: 5.0,
                 bias_drift_sigmas: 1.0,
-                // A Gaussian has 0.27 % beyond three sigmas; ten times that is another distribution.
+                // A Gaussian has 0.27 % beyond three sigmas; ten times that is a different distribution.
                 implausible_share: 0.027,
             },
             definitions: Definitions::default(),
@@ -103,10 +103,10 @@ impl Model {
     /// The paper's section 3.2: x0, P0 and R as printed, A = I, Q = 0, no effect, and eq. 17 at 1 sigma of
     /// the captive residual.
     ///
-    /// What the paper does not print is chosen here: the moving average's length (2.5 s, the one that gives
-    /// its four flag times on its reconstruction; flights/README.md), when the reference counts as lost, and
-    /// the thresholds of the calibration's checks, which its data (a trimmed mother ship, 70 s, a GPS of 25
-    /// m) would pass.
+    /// Values that the paper does not print are chosen here: the moving average's length (2.5 s, the one that
+    /// gives its four flag times on its reconstruction; flights/README.md), when the reference counts as
+    /// lost, and the thresholds of the calibration's checks, which its data (a trimmed mother ship, 70 s, a
+    /// GPS of 25 m) would pass.
     #[must_use]
     pub fn paper() -> Self {
         let sensor = |sigma_m, prior_sigma_m| SensorConfig {
@@ -128,7 +128,7 @@ impl Model {
             },
             latitude_deg: kf_core::effect::DEFAULT_LATITUDE_DEG,
             sensors: [sensor(50.0, 100.0), sensor(70.0, 150.0), sensor(150.0, 300.0)],
-            // Its two sensors drift away from the reference alike, and it holds that against them.
+            // In the paper both sensors drift away from the reference alike, and are flagged for it.
             monitor: MonitorConfig {
                 sigma: SigmaSource::Residual,
                 multiplier: 1.0,
@@ -153,7 +153,7 @@ impl Model {
         }
     }
 
-    /// The preset of that name, `default` or `paper`.
+    /// The preset with this name, `default` or `paper`.
     #[must_use]
     pub fn preset(name: &str) -> Option<Self> {
         match name {

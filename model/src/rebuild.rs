@@ -1,4 +1,4 @@
-//! A model as one of its revisions left it.
+//! A model as it was after one of its revisions.
 
 use std::collections::BTreeSet;
 
@@ -15,19 +15,19 @@ impl Model {
         numbers
     }
 
-    /// The number that a further revision gets.
+    /// The number of the next revision.
     #[must_use]
     pub fn next_revision(&self) -> u32 {
         self.revision_numbers().last().map_or(1, |last| last.saturating_add(1))
     }
 
-    /// The model as the revision of that number left it; 0 (or any number below the first) is before all of
-    /// them.
+    /// The model as it was after the revision with this number; 0 (or any number below the first) is before
+    /// all of them.
     ///
     /// Effects that no revision names were there from the start. An effect has the coefficient of the last
-    /// revision until then that learned it, before the first of them the one that this replaced; without
-    /// one it was not there. What a revision did not write down is as it is now. Everything but effects is as
-    /// it is now.
+    /// revision so far that learned it. Before the first of these it has the coefficient that the first one
+    /// replaced; if that replaced none, the effect was absent. Values that a revision did not record, and
+    /// everything but effects, are those of today.
     #[must_use]
     pub fn at_revision(&self, number: u32) -> Self {
         let mut model = self.clone();

@@ -1,4 +1,4 @@
-//! What the values of a model can be.
+//! Valid values of a model.
 
 use kf_core::config::{MAX_CONSTANT_EFFECTS, MAX_ESTIMATED_EFFECTS, SecondCorrection};
 use kf_core::effect::formula_words;
@@ -9,7 +9,7 @@ use crate::{Model, ModelError};
 const POSITIVE: &str = "a finite number above 0";
 const NOT_NEGATIVE: &str = "a finite number from 0 on";
 const FINITE: &str = "a finite number";
-/// No flight lasts a day: a longer window would never be full, and the work of judging its rule grows with
+/// No flight lasts a day: a longer window would never be full, and the cost of evaluating its rule grows with
 /// it.
 const LONGEST_WINDOW_S: f32 = 86_400.0;
 
@@ -33,10 +33,10 @@ fn finite(key: impl Into<String>, value: f32) -> Result<(), ModelError> {
 }
 
 impl Model {
-    /// Checks every value; [`Model::parse`] and [`Model::mission_config`] have done so already.
+    /// Checks every value; [`Model::parse`] and [`Model::mission_config`] already do so.
     ///
     /// # Errors
-    /// The first value, in file order, that its key cannot have.
+    /// The first value, in file order, that is invalid for its key.
     pub fn validate(&self) -> Result<(), ModelError> {
         not_negative("settling_s", self.settling_s)?;
         if let SecondCorrection::Kalman { wander_m_per_sqrt_s } = self.second_correction {

@@ -1,11 +1,11 @@
-//! A test: who may depend on whom, as ARCHITECTURE.md says; checked against what cargo says.
+//! A test that crates depend on each other only as ARCHITECTURE.md allows, checked with cargo's metadata.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::packages::{self, Package};
 use crate::workspace;
 
-/// What each crate of ours may depend on, of ours.
+/// The crates of ours that each crate of ours may depend on.
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
 /// Reads the arrows from ARCHITECTURE.md: the lines `crate -> crate, crate` of its block ```` ```arrows ````.
@@ -26,7 +26,7 @@ fn allowed(document: &str) -> Result<Arrows, String> {
     Ok(arrows)
 }
 
-/// What is in the tree and not allowed, one line each.
+/// Differences between the tree and what is allowed, one line each.
 fn violations(allowed: &Arrows, found: &Arrows) -> Vec<String> {
     let mut lines = Vec::new();
     for (from, dependencies) in found {
@@ -44,12 +44,12 @@ fn violations(allowed: &Arrows, found: &Arrows) -> Vec<String> {
     lines
 }
 
-/// Of the crates of the workspace, on one another.
+/// The dependencies of the workspace's crates on one another.
 fn found(packages: &[Package]) -> Arrows {
     let names: BTreeSet<_> = packages.iter().map(|package| &package.name).collect();
     let ours = |package: &Package| {
         let dependencies = package.dependencies.iter().map(|dependency| &dependency.name);
-        // A crate's own tests may ask it for a feature.
+        // A crate's own tests may depend on it, to enable a feature.
         let others = dependencies.filter(|name| names.contains(name) && **name != package.name);
         others.cloned().collect()
     };

@@ -1,5 +1,5 @@
-//! `cargo xtask blind`, `real-trials` and `baselines`: how often a diagnosis is right, and beside what people
-//! use today.
+//! `cargo xtask blind`, `real-trials` and `baselines`: how often a diagnosis is right, compared with the
+//! methods in use today.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -12,27 +12,27 @@ use crate::child;
 use crate::setup::{self, Need};
 use crate::workspace;
 
-/// A script of other methods, what it needs, and its folder under Cargo's.
+/// A script of other methods, its requirements, and its folder under Cargo's.
 struct Others {
     script: &'static str,
     requirements: &'static str,
     folder: &'static str,
 }
-/// Least squares and the LASSO, beside the diagnosis.
+/// Least squares and the LASSO, compared with the diagnosis.
 const BESIDE_DIAGNOSIS: Others = Others {
     script: "host-tests/baselines/compare.py",
     requirements: "host-tests/baselines/requirements.txt",
     folder: "baselines",
 };
-/// Symbolic and sparse regression, beside the search for laws.
+/// Symbolic and sparse regression, compared with the search for laws.
 const BESIDE_LAWS: Others = Others {
     script: "host-tests/baselines/laws.py",
     requirements: "host-tests/baselines/laws-requirements.txt",
     folder: "baselines-laws",
 };
-/// Where the tables are kept.
+/// The page with the tables.
 const PAGE: &str = "docs/blind-trials.md";
-/// The tables lie between these lines of it.
+/// The lines of that page between which the tables are.
 const BASELINES: Marks = Marks {
     begin: "<!-- tables: written by `cargo xtask baselines --write` -->",
     end: "<!-- end of the tables -->",
@@ -48,26 +48,26 @@ const UNSEEN: Marks = Marks {
     end: "<!-- end of unseen -->",
 };
 
-/// Where the table of the trials for laws is kept.
+/// The page with the table of the trials for laws.
 const LAWS_PAGE: &str = "docs/blind-laws.md";
 /// That table.
 const LAWS: Marks =
     Marks { begin: "<!-- laws: written by `cargo xtask laws --write` -->", end: "<!-- end of laws -->" };
 
-/// The lines between which a table lies.
+/// The lines that enclose a table.
 struct Marks {
     begin: &'static str,
     end: &'static str,
 }
 
-/// Flies blind trials; their lines and tables go to standard output as they come.
+/// Flies blind trials; their lines and tables are printed to standard output as they are made.
 pub fn run(trials: u64, seed: u64, family: &str, verbose: bool) -> anyhow::Result<()> {
     let mut program = built("blind", verbose)?;
     program.args([&trials.to_string(), "--seed", &seed.to_string(), "--family", family]);
     if verbose {
         program.arg("--verbose");
     }
-    // The bar is the program's own: it must have the terminal.
+    // The program draws its own progress bar, so it needs the terminal.
     let status = program.status().with_context(|| format!("`{}`", child::shown(&program)))?;
     if !status.success() {
         bail!("`{}` ended with {status}", child::shown(&program));
@@ -75,7 +75,7 @@ pub fn run(trials: u64, seed: u64, family: &str, verbose: bool) -> anyhow::Resul
     Ok(())
 }
 
-/// Flies them, gives what the diagnosis worked on to the other methods, and prints both tables.
+/// Flies the trials, runs the other methods on the diagnosis's inputs, and prints both tables.
 pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Result<()> {
     let python = environment(&BESIDE_DIAGNOSIS, echo)?;
     let folder = emptied("blind-trials")?;
@@ -93,7 +93,7 @@ pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Res
     Ok(())
 }
 
-/// Tries a half of the real logs and prints the table; `write` puts it into the page.
+/// Tries a half of the real logs and prints the table; `write` also writes it into the page.
 pub fn real(half: &str, write: bool, echo: bool) -> anyhow::Result<()> {
     let mut program = built("real_trials", echo)?;
     program.args(["--quiet", "--half", half]);
@@ -109,8 +109,8 @@ pub fn real(half: &str, write: bool, echo: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Searches flights for hidden laws, gives `beside` of them to other methods, and prints both tables; `write`
-/// puts them into their page.
+/// Searches flights for hidden laws, runs other methods on `beside` of them, and prints both tables; `write`
+/// also writes them into their page.
 pub fn laws(trials: u64, seed: u64, beside: u64, write: bool, echo: bool) -> anyhow::Result<()> {
     let mut program = built("laws", echo)?;
     program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet"]);
@@ -139,12 +139,12 @@ pub fn laws(trials: u64, seed: u64, beside: u64, write: bool, echo: bool) -> any
     Ok(())
 }
 
-/// Puts a table into the page.
+/// Writes a table into the page.
 fn write_page(marks: &Marks, text: &str) -> anyhow::Result<()> {
     write_to(PAGE, marks, text)
 }
 
-/// Puts a table into a page.
+/// Writes a table into a page.
 fn write_to(path: &str, marks: &Marks, text: &str) -> anyhow::Result<()> {
     let page = workspace::root().join(path);
     let old = fs::read_to_string(&page).with_context(|| format!("{path} cannot be read"))?;
@@ -154,7 +154,7 @@ fn write_to(path: &str, marks: &Marks, text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A program of the trials, built.
+/// Builds a program of the trials; returns the command.
 fn built(program: &str, echo: bool) -> anyhow::Result<Command> {
     setup::provide(Need::Npm, echo)?;
     eprintln!("building the trials");
@@ -166,7 +166,7 @@ fn built(program: &str, echo: bool) -> anyhow::Result<Command> {
     Ok(workspace::program(file))
 }
 
-/// An empty folder of that name under Cargo's.
+/// An emptied folder of that name under Cargo's.
 fn emptied(name: &str) -> anyhow::Result<PathBuf> {
     let folder = workspace::target_folder().join(name);
     if folder.exists() {
@@ -175,15 +175,15 @@ fn emptied(name: &str) -> anyhow::Result<PathBuf> {
     Ok(folder)
 }
 
-/// Other methods on what lies in a folder.
+/// The command that runs other methods on the files of a folder.
 fn script(others: &Others, python: PathBuf, folder: &Path) -> Command {
     let mut script = workspace::program(python);
-    // One thread a process: there is a process a core.
+    // One thread a process: there is one process a core.
     script.arg(others.script).arg(folder).env("OMP_NUM_THREADS", "1").env("OPENBLAS_NUM_THREADS", "1");
     script
 }
 
-/// Python with what a script needs, in a folder of its own under Cargo's; made once for each list of
+/// Python with a script's requirements, in its own folder under Cargo's; made once for each list of
 /// requirements.
 fn environment(others: &Others, echo: bool) -> anyhow::Result<PathBuf> {
     let requirements = others.requirements;

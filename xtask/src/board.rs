@@ -1,4 +1,4 @@
-//! The real board, by its debug probe: `probe-rs` writes the image and reads the log.
+//! Accesses the real board through its debug probe: `probe-rs` writes the image and reads the log.
 
 use std::fs;
 use std::io;
@@ -11,7 +11,7 @@ use crate::child::{self, Failure};
 use crate::setup::{self, Need};
 use crate::workspace::{self, TARGET};
 
-/// The chip, by `probe-rs`'s name.
+/// The chip's name in `probe-rs`.
 const CHIP: &str = "STM32F405RGTx";
 
 /// The barometer on the board.
@@ -23,19 +23,19 @@ pub enum Barometer {
     Bmp390,
 }
 
-/// What to do without `probe-rs`.
+/// Advice if `probe-rs` is missing.
 const MISSING: &str = "\
 probe-rs is missing: it writes the image through a debug probe (ST-LINK, J-Link, CMSIS-DAP). Install it with one of
   cargo install probe-rs-tools --locked
   curl -LsSf https://github.com/probe-rs/probe-rs/releases/latest/download/probe-rs-tools-installer.sh | sh
 On Linux its probes need udev rules: https://probe.rs/docs/getting-started/probe-setup/";
 
-/// What to do without a probe.
+/// Advice if no probe is found.
 const NO_PROBE: &str = "\
 probe-rs finds no debug probe. Is it plugged in, by a cable that carries data? On Linux: may this user open it (udev rules,
 https://probe.rs/docs/getting-started/probe-setup/)? `probe-rs list` shows what there is; docs/bring-up.md has the wiring.";
 
-/// What to do before there is a log.
+/// Advice if nothing has been flashed yet.
 const NOT_FLASHED: &str = "\
 nothing has been written to a board from this checkout; run `cargo xtask flash` first: the log can only be read with the very
 image that runs";
@@ -43,7 +43,7 @@ image that runs";
 /// Builds the flight computer's image for the real board with a model, writes it and starts it.
 ///
 /// # Errors
-/// `probe-rs` or a probe is missing; the model cannot be read; the image does not build or does not arrive.
+/// `probe-rs` or a probe is missing; the model cannot be read; the image cannot be built or written.
 pub fn flash(model: &str, barometer: Barometer, probe: Option<&str>, echo: bool) -> anyhow::Result<()> {
     check_probe(echo)?;
     setup::provide(Need::Target, echo)?;
@@ -58,7 +58,7 @@ pub fn flash(model: &str, barometer: Barometer, probe: Option<&str>, echo: bool)
     Ok(())
 }
 
-/// Shows the log of the board that runs, until it is interrupted.
+/// Shows the log of the running board, until interrupted.
 ///
 /// # Errors
 /// `probe-rs` or a probe is missing; nothing has been flashed; the probe lost the board.
@@ -71,7 +71,7 @@ pub fn log(probe: Option<&str>, echo: bool) -> anyhow::Result<()> {
     let mut attach = attach(&image, probe);
     let shown = child::shown(&attach);
     eprintln!("$ {shown}");
-    // The user reads it as it comes, and ends it.
+    // The user reads it as it arrives, and interrupts it.
     let status = attach.stdin(Stdio::inherit()).status().with_context(|| shown.clone())?;
     if !status.success() {
         bail!("`{shown}` ended with {status}");
@@ -79,7 +79,7 @@ pub fn log(probe: Option<&str>, echo: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Finds `probe-rs` and a probe, or says what to do.
+/// Checks that `probe-rs` and a probe are there; the error gives advice.
 fn check_probe(echo: bool) -> anyhow::Result<()> {
     let probes = match child::run(&mut probe_rs("list", None), echo) {
         Ok(said) => said.all,
@@ -92,26 +92,26 @@ fn check_probe(echo: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether that is what `probe-rs list` says without a probe.
+/// Whether this is the output of `probe-rs list` without a probe.
 fn has_no_probe(said: &str) -> bool {
     said.contains("No debug probes were found")
 }
 
-/// The build of the image with a model: a file, or a preset's name, of which the firmware's build knows more.
+/// The build of the image with a model: a file, or a preset's name; the firmware's build has further presets.
 fn image(model: &str, barometer: Barometer) -> Command {
     let board = match barometer {
         Barometer::Ms5611 => "board-f405",
         Barometer::Bmp390 => "board-f405,baro-bmp390",
     };
-    // Were this word only in a comment, the image would be larger than it need be; without it the build
+    // If the word is only in a comment, the image is larger than necessary; without the feature the build
     // refuses a formula.
     let has_formulas = fs::read_to_string(model).is_ok_and(|text| text.contains("effect_definition"));
     let features = if has_formulas { format!("{board},formulas") } else { board.to_owned() };
     let mut build = workspace::firmware_build("flight", &features);
-    // The build runs in the firmware's folder.
+    // The build runs in the firmware's folder, so the path must be absolute.
     let model = fs::canonicalize(model).unwrap_or_else(|_| PathBuf::from(model));
     build.env("PYLON_MODEL", model).env("DEFMT_LOG", "info");
-    // No planted error flies, nor another model.
+    // Neither a deliberate error nor another model may be flashed.
     build.env_remove("PYLON_MUTATE").env_remove("PYLON_MODEL_SOURCE");
     build
 }
@@ -139,7 +139,7 @@ fn reset(probe: Option<&str>) -> Command {
 
 fn attach(image: &Path, probe: Option<&str>) -> Command {
     let mut command = probe_rs("attach", probe);
-    // Caught, a fault or a reset would halt the core; the flight computer restarts by itself.
+    // By default `probe-rs` halts the core on a fault or reset; the flight computer must restart by itself.
     command.args(["--chip", CHIP, "--no-catch-hardfault", "--no-catch-reset"]).arg(image);
     command
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask campaign`: faults on the whole chain, against the same flights without them.
+//! `cargo xtask campaign`: faults in the whole chain, compared with the same flights without them.
 
 use std::path::PathBuf;
 
@@ -12,39 +12,39 @@ use crate::workspace;
 /// The program.
 const PROGRAM: &str = "campaign";
 
-/// What the campaign is asked for; see `host-tests/src/bin/campaign.rs`.
+/// Arguments of the campaign; see `host-tests/src/bin/campaign.rs`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// How many runs.
+    /// Number of runs.
     #[arg(default_value_t = 1_000)]
     pub runs: u64,
     /// The campaign's seed.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Fly this run alone, and print what was drawn and what came of it.
+    /// Fly this run alone, and print its faults and its outcome.
     #[arg(long)]
     pub run: Option<u64>,
-    /// And write what was seen of both its flights, tick by tick, as CSV.
+    /// Also write both of its flights, tick by tick, as CSV.
     #[arg(long, value_name = "FILE", requires = "run")]
     pub trace: Option<PathBuf>,
-    /// Fly so many short runs in QEMU instead, every tick bit for bit the host's.
+    /// Fly this many short runs in QEMU instead, comparing every tick with the host bit for bit.
     #[arg(long, value_name = "RUNS")]
     pub qemu: Option<u64>,
-    /// Take out each guard in turn, and fail unless the campaign reports it.
+    /// Disable each guard in turn, and fail unless the campaign reports it.
     #[arg(long)]
     pub mutants: bool,
-    /// Write docs/fault-campaign.md's tables.
+    /// Write the tables of docs/fault-campaign.md.
     #[arg(long)]
     pub write: bool,
-    /// Fail for what host-tests/campaign-known.toml does not name, instead of for any violation.
+    /// Fail only for violations that host-tests/campaign-known.toml does not list.
     #[arg(long)]
     pub known: bool,
-    /// Write that list anew from this campaign.
+    /// Write host-tests/campaign-known.toml again from this campaign.
     #[arg(long, requires = "known")]
     pub accept: bool,
 }
 
-/// Flies it; says whether every invariant was kept. The tables go to standard output.
+/// Flies the campaign; returns whether every invariant was kept. The tables are printed to standard output.
 pub fn run(arguments: &Arguments, verbose: bool) -> anyhow::Result<bool> {
     if let Some(runs) = arguments.qemu {
         return qemu(runs, arguments.seed, verbose);
@@ -72,12 +72,12 @@ pub fn run(arguments: &Arguments, verbose: bool) -> anyhow::Result<bool> {
     if arguments.known {
         program.arg("--known").arg(known());
     }
-    // The bar is the program's own: it must have the terminal.
+    // The program draws its own progress bar, so it needs the terminal.
     let status = program.status().with_context(|| format!("`{}`", child::shown(&program)))?;
     Ok(status.success())
 }
 
-/// Flies the sample that is a test of `host-tests`, with another number of runs.
+/// Flies the sample that is also a test of `host-tests`, with another number of runs.
 fn qemu(runs: u64, seed: u64, verbose: bool) -> anyhow::Result<bool> {
     for need in [Need::Target, Need::Qemu, Need::Npm] {
         setup::provide(need, verbose)?;
@@ -89,8 +89,8 @@ fn qemu(runs: u64, seed: u64, verbose: bool) -> anyhow::Result<bool> {
     Ok(status.success())
 }
 
-/// Runs the campaign of the test command: a thousand runs, and without each guard in turn. It fails for any
-/// violation that `host-tests/campaign-known.toml` does not name.
+/// Runs the campaign of the test command: a thousand runs, and again without each guard in turn. It fails for
+/// any violation that `host-tests/campaign-known.toml` does not list.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
     child::run(&mut workspace::test(["--no-run"]), echo)?;
     let mut program = workspace::program(workspace::tested(PROGRAM));
@@ -99,7 +99,7 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
     Ok(Done::all(last))
 }
 
-/// What the campaign is known to break.
+/// The list of known violations.
 fn known() -> PathBuf {
     workspace::root().join("host-tests/campaign-known.toml")
 }

@@ -1,49 +1,49 @@
-//! Child processes: silent unless they fail or the user asked to hear them.
+//! Child processes: their output is shown only if they fail or the user asked for it.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-/// What a child said.
+/// Output of a child.
 #[derive(Debug, Default)]
 pub struct ChildOutput {
-    /// On its standard output.
+    /// Its standard output.
     pub stdout: String,
-    /// On both streams. Lines of different streams may have changed places, unless it was run by
+    /// Both streams. Lines of different streams may be in another order, unless the child was run by
     /// [`run_in_order`].
     pub all: String,
 }
 
-/// Why a child did not do its job.
+/// Why a child failed.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     /// It could not be started.
     #[error("`{command}` could not be started: {error}")]
     NotStarted {
-        /// As typed.
+        /// The command as typed.
         command: String,
-        /// The system's word.
+        /// The system's error.
         error: io::Error,
     },
     /// It ended with an error.
     #[error("`{command}` ended with {status}")]
     Ended {
-        /// As typed.
+        /// The command as typed.
         command: String,
         /// Its exit code or signal.
         status: ExitStatus,
-        /// All that it said.
+        /// All its output.
         output: ChildOutput,
     },
 }
 
-/// Runs a child to its end, without input. With `echo` everything it says goes to standard error as well.
+/// Runs a child to its end, without input. With `echo` all its output also goes to standard error.
 pub fn run(command: &mut Command, echo: bool) -> Result<ChildOutput, Failure> {
     run_heard(command, echo, &|_| ())
 }
 
-/// As [`run`]; `hear` gets every line of its standard error as it comes.
+/// As [`run`]; `hear` gets every line of its standard error as it arrives.
 pub fn run_heard(
     command: &mut Command,
     echo: bool,
@@ -70,8 +70,8 @@ pub fn run_heard(
     ended(name, status, output)
 }
 
-/// As [`run`], with both streams as one, in the order in which they were written: standard output is empty.
-/// `hear` gets every line as it comes.
+/// As [`run`], with both streams merged in the order in which they were written; `stdout` is empty. `hear`
+/// gets every line as it arrives.
 pub fn run_in_order(
     command: &mut Command,
     echo: bool,
@@ -86,7 +86,7 @@ pub fn run_in_order(
         let (reader, writer) = io::pipe()?;
         command.stdin(Stdio::null()).stdout(writer.try_clone()?).stderr(writer);
         let child = command.spawn();
-        // The command must let go of its ends, or the stream would never close.
+        // The command must release its ends of the pipe, or the stream would never close.
         command.stdout(Stdio::null()).stderr(Stdio::null());
         child.map(|child| (reader, child))
     };
@@ -102,7 +102,7 @@ fn ended(command: String, status: ExitStatus, output: Mutex<ChildOutput>) -> Res
     if status.success() { Ok(output) } else { Err(Failure::Ended { command, status, output }) }
 }
 
-/// Keeps what comes down a stream until it closes.
+/// Collects a stream until it closes.
 fn listen(
     stream: impl Read,
     is_stdout: bool,
@@ -114,7 +114,7 @@ fn listen(
     let mut line = Vec::new();
     loop {
         line.clear();
-        // A stream that cannot be read any more has ended; the exit status tells the rest.
+        // An unreadable stream has ended; the exit status shows whether that is an error.
         if !matches!(reader.read_until(b'\n', &mut line), Ok(1..)) {
             return;
         }
@@ -137,13 +137,13 @@ pub fn shown(command: &Command) -> String {
         Some(format!("{}={}", name.to_string_lossy(), quoted(&value?.to_string_lossy())))
     });
     let program = command.get_program().to_string_lossy();
-    // Cargo says its own name with its full path.
+    // Cargo's own name is its full path.
     let program = program.rsplit('/').next().filter(|name| *name == "cargo").unwrap_or(&program).to_owned();
     let arguments = command.get_args().map(|argument| quoted(&argument.to_string_lossy()));
     variables.chain([program]).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
-/// An argument in quotes where a shell would want them.
+/// An argument, in quotes where a shell needs them.
 fn quoted(argument: &str) -> String {
     if argument.is_empty() || argument.contains([' ', '\'', '"', '$', '*', '(', ')', ';', '&', '|']) {
         format!("'{}'", argument.replace('\'', r"'\''"))

@@ -5,7 +5,7 @@ use clap::{Parser, Subcommand};
 use crate::board::Barometer;
 use crate::{campaign, hil};
 
-/// Every job in this checkout.
+/// All jobs of this checkout.
 #[derive(Debug, Parser)]
 #[command(
     name = "cargo xtask",
@@ -29,7 +29,7 @@ Examples:
 Missing tools are installed with rustup and apt-get; each is announced first."
 )]
 pub struct Cli {
-    /// What to do; without it, this help.
+    /// What to do; if omitted, print this help.
     #[command(subcommand)]
     pub job: Option<Job>,
 
@@ -47,15 +47,15 @@ pub enum Job {
     Demo,
     /// Run every test; ends with `N passed, N failed, N skipped`.
     Test {
-        /// Only the steps and the programs of tests whose name contains one of these words.
+        /// Only the steps and test programs whose names contain one of these words.
         words: Vec<String>,
-        /// Only list the steps and the programs of tests.
+        /// Only list the steps and the test programs.
         #[arg(long)]
         list: bool,
     },
-    /// Build the studio: the engine as WebAssembly and its page, as the one file target/studio/studio.html.
+    /// Build the studio (the engine as WebAssembly, and its page) as one file: target/studio/studio.html.
     Site,
-    /// Measure instructions per tick (also of other filters), ticks per second, and time and memory of a
+    /// Measure instructions per tick (also of other filters), ticks per second, and the time and memory of a
     /// comparison.
     Bench {
         /// Print JSON instead of tables.
@@ -67,52 +67,52 @@ pub enum Job {
     },
     /// Diagnose simulated flights with hidden effects, and count how often the diagnosis is right.
     Blind {
-        /// How many trials.
+        /// Number of trials.
         #[arg(default_value_t = 200)]
         trials: u64,
-        /// The first trial's seed; each further one's is one more.
+        /// Seed of the first trial; each further trial adds one.
         #[arg(long, default_value_t = 1)]
         seed: u64,
         /// The generator: `dynamic` (`pylon simulate`), or `kinematic`, which shares nothing with it.
         #[arg(long, default_value = "dynamic", value_parser = ["dynamic", "kinematic"])]
         family: String,
     },
-    /// Search simulated flights with a hidden law of the recorded signals for it, blind, and count how often
-    /// the search is right.
+    /// Search simulated flights for a hidden law of their recorded signals, blind, and count how often the
+    /// search is right.
     Laws {
-        /// How many trials.
+        /// Number of trials.
         #[arg(default_value_t = 120)]
         trials: u64,
-        /// The first trial's seed; each further one's is one more.
+        /// Seed of the first trial; each further trial adds one.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// How many of them symbolic regression (gplearn) and sparse regression (PySINDy) get as well; they
-        /// take half a minute each.
+        /// Number of trials on which symbolic regression (gplearn) and sparse regression (PySINDy) are also
+        /// run; they take half a minute each.
         #[arg(long, default_value_t = 24)]
         beside: u64,
-        /// Write the table into docs/blind-laws.md as well.
+        /// Also write the table into docs/blind-laws.md.
         #[arg(long)]
         write: bool,
     },
     /// Diagnose the real logs in ../shared/flights/real, flights simulated along their tracks, and both with
     /// one effect added, and count how often the diagnosis is right.
     RealTrials {
-        /// Which half of the logs: `development`, or `unseen`, for final figures only.
+        /// Half of the logs to use: `development`, or `unseen`, which is for final figures only.
         #[arg(long, default_value = "development", value_parser = ["development", "unseen"])]
         half: String,
-        /// Write the table into docs/blind-trials.md as well.
+        /// Also write the table into docs/blind-trials.md.
         #[arg(long)]
         write: bool,
     },
     /// Compare the diagnosis with least squares and the LASSO on the blind trials' residuals.
     Baselines {
-        /// How many trials.
+        /// Number of trials.
         #[arg(default_value_t = 200)]
         trials: u64,
-        /// The first trial's seed; each further one's is one more.
+        /// Seed of the first trial; each further trial adds one.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Write the tables into docs/blind-trials.md as well.
+        /// Also write the tables into docs/blind-trials.md.
         #[arg(long)]
         write: bool,
     },
@@ -153,7 +153,7 @@ It needs probe-rs and a debug probe; if one is missing it says how to get it. do
         #[arg(long)]
         probe: Option<String>,
     },
-    /// Read the log of the board that was flashed last, until interrupted.
+    /// Read the log of the last flashed board, until interrupted.
     #[command(after_help = "\
 Examples:
   cargo xtask log                               the flight computer's log, from now on
@@ -187,15 +187,15 @@ Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, o
         /// Hours of captive flight.
         #[arg(long, default_value_t = 10.0)]
         hours: f64,
-        /// Random flights.
+        /// Number of random flights.
         #[arg(long, default_value_t = 50)]
         flights: u64,
-        /// The first random flight's seed; each further one's is one more.
+        /// Seed of the first random flight; each further flight adds one.
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Measure what the tests of a crate catch: change its code at random places, one at a time, and run its
-    /// tests
+    /// Measure which errors a crate's tests catch: change its code at random places, one at a time, and run
+    /// its tests
     #[command(after_help = "\
 Examples:
   cargo xtask mutants statistics               25 mutants of workbench/statistics
@@ -207,15 +207,15 @@ are listed in target/mutants/mutants.out/missed.txt; docs/mutants.md has what wa
     Mutants {
         /// The crate.
         package: String,
-        /// How many mutants, drawn at random; 0 for all.
+        /// Number of mutants, drawn at random; 0 for all.
         #[arg(long, default_value_t = 25)]
         sample: usize,
-        /// The seed of the draw.
+        /// Seed of the draw.
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
-    /// Write the JSON schemas of what the commands print into docs/schemas. A test fails where these are
-    /// stale.
+    /// Write the JSON schemas of the commands' output into docs/schemas. A test fails if these are out of
+    /// date.
     Schemas,
     /// Run a command and print its wall time and its peak memory as JSON (for `bench`).
     #[command(hide = true)]
@@ -233,6 +233,6 @@ pub enum BenchPart {
     Target,
     /// Time and memory on this machine.
     Host,
-    /// Time and memory of importing real logs, beside pyulog, pymavlink and aerofiles.
+    /// Time and memory of importing real logs, compared with pyulog, pymavlink and aerofiles.
     Import,
 }

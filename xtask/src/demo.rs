@@ -1,5 +1,5 @@
-//! `cargo xtask demo`: the paper's flight, simulated, flown in the emulator and compared; then a flight that
-//! fails, what its model lacks, and the next flight, which holds.
+//! `cargo xtask demo`: flies the paper's simulated flight in the emulator and compares it. Then a flight that
+//! fails, what its model lacks, and the next flight, which succeeds with the improved model.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,16 +17,16 @@ use crate::steps::Done;
 use crate::story::{Comparison, Flown, Story};
 use crate::workspace;
 
-/// The flight.
+/// Scenario of the paper's flight.
 const SCENARIO: &str = "flights/paper-reconstruction.toml";
-/// The model.
+/// Its model.
 const MODEL: &str = "paper";
 /// A flight with a hidden effect that raises a flag.
 const HIDDEN: &str = "flights/hidden-static-port.toml";
 /// Another plan with the same effect.
 const SECOND: &str = "flights/hidden-static-port-second.toml";
 
-/// Sets up what is missing, flies and tells the story on standard output.
+/// Sets up what is missing, flies, and prints the results to standard output.
 pub fn run(echo: bool) -> anyhow::Result<()> {
     for need in [Need::Npm, Need::Target, Need::Qemu] {
         match setup::provide(need, echo)? {
@@ -36,14 +36,13 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
     }
     let mut stages = Stages::new(1 + STAGES);
     stages.run("building the workbench, and what every image of the flight computer needs", |news| {
-        // A crate by itself has work for one processor, so they are built side by side.
+        // Building one crate uses only one processor, so they are built in parallel.
         thread::scope(|scope| {
             let image = scope.spawn(|| {
                 child::run_heard(&mut workspace::firmware_build("flight", "board-qemu"), echo, &|_| ())
             });
             child::run_heard(&mut workspace::build_workbench(), echo, &|line| news.hear(line))?;
-            // What kept it from being built, whoever flies it says; it may be no more than a panic of the
-            // thread.
+            // A panic of the thread is ignored here: flying the image will report why it was not built.
             if let Ok(built) = image.join() {
                 built?;
             }
@@ -57,12 +56,12 @@ pub fn run(echo: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The picture that the README shows, and the one of the demo that it is.
+/// The picture in the README, and the demo's picture that it is a copy of.
 const SHOWN: &str = "docs/figure-4-reconstruction.svg";
 const DRAWN: &str = "figure-4-free-flight.svg";
 
-/// The demo as a test: that it comes to its end, with pictures, of which the README shows one as it is drawn
-/// now; with the workbench that the tests have built.
+/// The demo as a test: it must finish and draw its pictures, and the README must show the current version of
+/// one of them. Uses the workbench that the tests have built.
 pub fn test(echo: bool) -> anyhow::Result<Done> {
     child::run(&mut workspace::test(["--no-run"]), echo)?;
     let mut demo = Demo { workbench: workspace::tested("pylon"), echo, stages: Stages::new(STAGES) };
@@ -85,7 +84,7 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
 /// The steps of [`Demo::tell`].
 const STAGES: usize = 8;
 
-/// The demo on its way.
+/// State of the demo.
 struct Demo {
     /// The workbench's program.
     workbench: PathBuf,
@@ -94,8 +93,8 @@ struct Demo {
 }
 
 impl Demo {
-    /// Does all there is to tell about: the paper's flight, and one with a hidden effect, its diagnosis, the
-    /// improved model and a flight that was held out.
+    /// Runs all parts: the paper's flight; one with a hidden effect, its diagnosis and the improved model;
+    /// and a held-out flight.
     fn tell(&mut self) -> anyhow::Result<(Story, Improvement)> {
         let folder = folder();
         if folder.exists() {
@@ -145,7 +144,7 @@ impl Demo {
         ))
     }
 
-    /// Builds the images with these models and flies the flights in QEMU, side by side: while one image is
+    /// Builds the images with these models and flies the flights in QEMU, in parallel: while one image is
     /// linked, the other flies.
     fn fly(&mut self, flights: [(&Path, &Path); 2]) -> anyhow::Result<[Flown; 2]> {
         let commands = flights.map(|(flight, model)| {
@@ -169,7 +168,7 @@ impl Demo {
         })
     }
 
-    /// The workbench with a command of its.
+    /// A command of the workbench.
     fn pylon(&self, command: &str) -> Command {
         let mut pylon = workspace::program(&self.workbench);
         pylon.arg(command);
@@ -189,14 +188,14 @@ impl Demo {
         self.stages.run(name, |news| Ok(child::run_heard(&mut command, echo, &|line| news.hear(line))?))
     }
 
-    /// Runs a command as a step, and reads what it says.
+    /// Runs a command as a step, and parses its output.
     fn json<T: DeserializeOwned + Send>(&mut self, name: &str, mut command: Command) -> anyhow::Result<T> {
         let echo = self.echo;
         self.stages.run(name, |news| json(&mut command, echo, &|line| news.hear(line)))
     }
 }
 
-/// Runs a command, and reads what it says.
+/// Runs a command, and parses its output.
 fn json<T: DeserializeOwned>(
     command: &mut Command,
     echo: bool,
@@ -207,7 +206,7 @@ fn json<T: DeserializeOwned>(
         .with_context(|| format!("`{}` said something unexpected", child::shown(command)))
 }
 
-/// Where it all goes.
+/// Folder of the demo's files.
 fn folder() -> PathBuf {
     workspace::target_folder().join("demo")
 }

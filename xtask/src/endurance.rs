@@ -6,7 +6,7 @@ use crate::child;
 use crate::setup::{self, Need};
 use crate::workspace;
 
-/// Hours of captive flight, then random flights; what they say goes to standard output.
+/// Flies hours of captive flight, then random flights; their output goes to standard output.
 pub fn run(hours: f64, flights: u64, seed: u64, verbose: bool) -> anyhow::Result<()> {
     for need in [Need::Target, Need::Qemu, Need::Npm] {
         setup::provide(need, verbose)?;
@@ -24,7 +24,7 @@ pub fn run(hours: f64, flights: u64, seed: u64, verbose: bool) -> anyhow::Result
     for (job, arguments) in jobs {
         let mut program = workspace::program(&file);
         program.arg(job).args(arguments);
-        // The bar is the program's own: it must have the terminal.
+        // The program draws its own progress bar, so it needs the terminal.
         let status = program.status().with_context(|| format!("`{}`", child::shown(&program)))?;
         if !status.success() {
             bail!("`{}` ended with {status}", child::shown(&program));

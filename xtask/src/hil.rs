@@ -1,4 +1,4 @@
-//! `cargo xtask hil`: a flight through a board on the desk, by its debug link (hardware in the loop).
+//! `cargo xtask hil`: flies a flight through a board by its debug link (hardware in the loop).
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
@@ -9,10 +9,10 @@ use crate::child;
 use crate::setup::{self, Need};
 use crate::workspace;
 
-/// Exit status where nothing could be compared: as the workbench's.
+/// Exit status if nothing could be compared: the same as the workbench's.
 pub const NOT_FLOWN: u8 = 2;
 
-/// What is flown, and how the board is reached.
+/// Arguments: the flight, and how the board is reached.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     /// The flight: a flight's CSV, or a log that `pylon import` reads.
@@ -20,7 +20,7 @@ pub struct Arguments {
     /// A model file, or a preset's name.
     #[arg(long, default_value = "default")]
     model: String,
-    /// OpenOCD's configuration file of the probe, its own or yours; may be given more than once.
+    /// OpenOCD configuration file of the probe, from OpenOCD or your own; may be given more than once.
     #[arg(long = "probe-config", value_name = "FILE", default_value = "interface/stlink.cfg")]
     probe_configs: Vec<PathBuf>,
     /// Further options of `pylon fly`.
@@ -28,10 +28,10 @@ pub struct Arguments {
     further: Vec<String>,
 }
 
-/// Builds the workbench and lets it fly; the exit status is its own.
+/// Builds the workbench and runs `pylon fly`; returns its exit status.
 ///
 /// # Errors
-/// The workbench or the target cannot be had, or it was ended by a signal.
+/// The workbench or the target cannot be provided, or the workbench was ended by a signal.
 pub fn run(arguments: &Arguments, echo: bool) -> anyhow::Result<ExitCode> {
     for need in [Need::Npm, Need::Target] {
         setup::provide(need, echo)?;
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments, echo: bool) -> anyhow::Result<ExitCode> {
     let mut fly = fly(&workspace::workbench(), arguments);
     let shown = child::shown(&fly);
     eprintln!("$ {shown}");
-    // Progress and report are its own: it must have the terminal.
+    // The workbench prints progress and report itself, so it needs the terminal.
     let status = fly.stdin(Stdio::inherit()).status().with_context(|| shown.clone())?;
     eprintln!(
         "a board that was written to keeps this image, which does nothing without its probe; `cargo xtask flash` gives it the \
@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments, echo: bool) -> anyhow::Result<ExitCode> {
     code.map(ExitCode::from).ok_or_else(|| anyhow!("`{shown}` ended with {status}"))
 }
 
-/// The workbench's command line. It runs where the user is: the paths are the user's.
+/// The workbench's command line. It runs in the user's folder, because the paths are relative to it.
 fn fly(workbench: &Path, arguments: &Arguments) -> Command {
     let Arguments { flight, model, probe_configs, further } = arguments;
     let mut fly = Command::new(workbench);

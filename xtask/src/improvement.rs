@@ -1,4 +1,4 @@
-//! The demo's second part: a flight that fails, what it lacks, and the next flight, which holds.
+//! The demo's second part: a flight that fails, what its model lacks, and the next flight, which succeeds.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,30 +8,30 @@ use serde::Deserialize;
 
 use crate::workspace;
 
-/// What of `pylon diagnose --json` is told.
+/// The part of `pylon diagnose --json` that is used.
 #[derive(Debug, Deserialize)]
 pub struct Diagnosis {
     /// The verdict over all sensors.
     pub verdict: String,
-    /// By sensor.
+    /// Diagnoses by sensor.
     pub sensors: BTreeMap<String, SensorDiagnosis>,
 }
 
 /// One sensor's diagnosis.
 #[derive(Debug, Deserialize)]
 pub struct SensorDiagnosis {
-    /// Effects that are missing for sure.
+    /// Effects that are certainly missing.
     pub missing: Vec<String>,
 }
 
 impl Diagnosis {
-    /// The effects that are missing, of all sensors.
+    /// The missing effects of all sensors.
     pub fn missing(&self) -> Vec<&str> {
         self.sensors.values().flat_map(|sensor| &sensor.missing).map(String::as_str).collect()
     }
 }
 
-/// What of `pylon add --json` is told.
+/// The part of `pylon add --json` that is used.
 #[derive(Debug, Deserialize)]
 pub struct Addition {
     coefficient: f64,
@@ -67,16 +67,16 @@ impl fmt::Display for Score {
     }
 }
 
-/// A model that got better.
+/// An improved model.
 #[derive(Debug)]
 pub struct Improvement {
     /// The effect that was found and added.
     pub effect: String,
     /// The sensor that it acts on.
     pub sensor: String,
-    /// What `pylon add` said.
+    /// Result of `pylon add`.
     pub addition: Addition,
-    /// Ticks of the held-out flight in QEMU with the improved model, each with the host's bits.
+    /// Ticks of the held-out flight in QEMU with the improved model, each identical to the host's bits.
     pub ticks: u32,
     /// The improved model.
     pub model: PathBuf,

@@ -48,7 +48,7 @@ fn main() -> ExitCode {
             Err(_) => ExitCode::FAILURE,
         };
     };
-    // A flight that could not be flown must not pass for one whose bits differ.
+    // A flight that could not be flown must be distinguishable from one whose bits differ.
     let failed = if matches!(job, Job::Hil(_)) { ExitCode::from(hil::NOT_FLOWN) } else { ExitCode::FAILURE };
     match run(job, verbose) {
         Ok(code) => code,
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does the job, and says how it came out.
+/// Runs the job and returns its exit status.
 fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
     match job {
         Job::Setup => set_up(verbose)?,
@@ -98,7 +98,7 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Installs what is missing, all of it before complaining of any.
+/// Installs everything that is missing before reporting any failure.
 fn set_up(verbose: bool) -> anyhow::Result<()> {
     let mut missing = 0;
     for need in Need::ALL {

@@ -1,4 +1,4 @@
-//! `cargo xtask mutants`: what share of deliberate errors the tests of a crate catch.
+//! `cargo xtask mutants`: which share of deliberate errors the tests of a crate catch.
 
 use std::collections::HashSet;
 use std::fs;
@@ -12,15 +12,15 @@ use rand_chacha::ChaCha8Rng;
 use crate::child;
 use crate::workspace;
 
-/// The version that was tried.
+/// The version of cargo-mutants that this was tested with.
 const VERSION: &str = "27.1.0";
-/// Mutants that end with this many seconds of tests unfinished count as caught.
+/// Time limit of the tests of one mutant, seconds: unfinished tests count as having caught it.
 const TIMEOUT_S: &str = "120";
-/// Crates whose tests are in part in another crate: the drivers run against the models of their chips, and
-/// what a model's text of a formula means is tested where that text is read. A crate's own features are on in
-/// any case: kf-core's formulas are one.
+/// Crates whose tests are partly in another crate: the drivers run against models of their chips, and the
+/// meaning of a formula's text in a model is tested where that text is read. A crate's own features are
+/// always enabled, so kf-core's formulas are included.
 const TESTED_BY: [(&str, &str); 2] = [("drivers", "chip-models"), ("kf-core", "model")];
-/// How cargo-mutants names the mutants that its filter of names lets through, whatever it says.
+/// How cargo-mutants names the mutants that its filter of names never excludes.
 const UNFILTERED: &str = ": delete field ";
 
 /// Draws mutants of a crate and runs its tests on each.
@@ -46,12 +46,12 @@ pub fn run(package: &str, sample: usize, seed: u64, echo: bool) -> anyhow::Resul
         fs::remove_dir_all(&outcomes)?;
     }
     fs::create_dir_all(&outcomes)?;
-    // What is said to have been caught before is not tried.
+    // Mutants listed as caught before are not tried.
     let unasked: String =
         others.iter().filter(|name| name.contains(UNFILTERED)).map(|name| format!("{name}\n")).collect();
     fs::write(outcomes.join("caught.txt"), unasked)?;
     let mut mutants = workspace::program(&program);
-    // In a random order: a run that is ended early has tried a random sample too.
+    // In random order, so that a run that is ended early has also tried a random sample.
     mutants.args(["mutants", "--package", package, "--iterate", "--shuffle", "--jobs", "1"]);
     mutants.args(["--timeout", TIMEOUT_S, "--output"]).arg(&folder);
     let tests = TESTED_BY.iter().filter(|(of, _)| *of == package).map(|(_, by)| *by);
@@ -82,7 +82,7 @@ pub fn run(package: &str, sample: usize, seed: u64, echo: bool) -> anyhow::Resul
     Ok(())
 }
 
-/// cargo-mutants, built into the target folder once.
+/// cargo-mutants, built once into the target folder.
 fn provide(echo: bool) -> anyhow::Result<std::path::PathBuf> {
     let root = workspace::target_folder().join("tools");
     let program = root.join("bin").join(format!("cargo-mutants{}", std::env::consts::EXE_SUFFIX));
@@ -94,7 +94,7 @@ fn provide(echo: bool) -> anyhow::Result<std::path::PathBuf> {
     Ok(program)
 }
 
-/// A regular expression for one name and nothing else.
+/// A regular expression that matches one name only.
 fn exactly(name: &str) -> String {
     let mut expression = String::from("^");
     for letter in name.chars() {

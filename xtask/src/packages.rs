@@ -1,4 +1,4 @@
-//! The workspace's packages, as cargo knows them.
+//! The workspace's packages, from cargo's metadata.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use serde::Deserialize;
 use crate::child;
 use crate::workspace;
 
-/// What of `cargo metadata` matters here.
+/// The part of `cargo metadata` that is used.
 #[derive(Deserialize)]
 struct Metadata {
     packages: Vec<Package>,
@@ -20,10 +20,10 @@ pub struct Package {
     pub name: String,
     /// Its `Cargo.toml`.
     pub manifest_path: PathBuf,
-    /// What it depends on, for the build and the tests too.
+    /// Its dependencies, including those of the build and the tests.
     #[cfg_attr(not(test), expect(dead_code, reason = "only a test asks for them"))]
     pub dependencies: Vec<Dependency>,
-    /// What cargo makes of it.
+    /// Its targets.
     pub targets: Vec<Target>,
 }
 
@@ -35,7 +35,7 @@ pub struct Dependency {
     pub name: String,
 }
 
-/// A library, a program or a program of tests.
+/// A library, a program or a test program.
 #[derive(Deserialize)]
 pub struct Target {
     /// Its name.

@@ -4,7 +4,7 @@ use crate::child;
 use crate::setup::{self, Need};
 use crate::workspace;
 
-/// Has the test that checks the schemas write them.
+/// Runs the test that checks the schemas in the mode that writes them.
 pub fn run(echo: bool) -> anyhow::Result<()> {
     setup::provide(Need::Npm, echo)?;
     let mut test = workspace::test(["--test", "json_results", "--", "the_published_schemas"]);

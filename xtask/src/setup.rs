@@ -1,4 +1,4 @@
-//! What the jobs need from the machine: found, or installed, or said how to install.
+//! Finds what the jobs need from the machine, installs it, or reports how to install it.
 
 use std::env;
 use std::fs;
@@ -16,49 +16,49 @@ use crate::workspace::{self, TARGET};
 const MACHINE: &str = "netduinoplus2";
 /// Debian's and Ubuntu's package of its emulator.
 const QEMU: &str = "qemu-system-arm";
-/// The package manager that uPlot comes by; its package has the same name.
+/// The package manager that fetches uPlot; its package has the same name.
 const NPM: &str = "npm";
-/// The browser that reports are looked at with; its package has the same name.
+/// The browser that displays reports; its package has the same name.
 const CHROMIUM: &str = "chromium";
 
 /// The telemetry's client, in a venv of that name under Cargo's folder.
 const PYMAVLINK: &str = "pymavlink";
-/// Its version.
+/// Its requirements, with its version.
 const PYMAVLINK_REQUIREMENTS: &str = "host-tests/telemetry/requirements.txt";
-/// Debian's package of what it runs on.
+/// Debian's package that it needs.
 const PYTHON: &str = "python3-venv";
 
-/// Something that does not come with the checkout.
+/// Something that is not part of the checkout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
     /// The formatter.
     Rustfmt,
     /// The linter.
     Clippy,
-    /// The standard library of the flight computer.
+    /// The standard library for the flight computer's target.
     Target,
-    /// The standard library of a browser.
+    /// The standard library for a browser.
     Wasm,
     /// The emulator.
     Qemu,
     /// What fetches uPlot, without which the workbench does not build.
     Npm,
-    /// The browser that tests look at reports with.
+    /// The browser in which tests open reports.
     Chromium,
-    /// The client that tests read the telemetry with.
+    /// The client with which tests read the telemetry.
     Pymavlink,
 }
 
-/// What was found, or what was done about it.
+/// Result of providing a need.
 pub enum Provided {
-    /// It was there.
+    /// It was already there.
     Found(String),
-    /// It was not, and is now.
+    /// It was missing and has been installed.
     Installed(String),
 }
 
 impl Need {
-    /// Everything that some job needs.
+    /// Everything that any job needs.
     pub const ALL: [Self; 8] = [
         Self::Rustfmt,
         Self::Clippy,
@@ -70,7 +70,7 @@ impl Need {
         Self::Pymavlink,
     ];
 
-    /// Its name to the user.
+    /// Its name for users.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Rustfmt => "rustfmt",
@@ -84,7 +84,7 @@ impl Need {
         }
     }
 
-    /// Its version or place, where it is there.
+    /// Its version or place, if it is there.
     fn find(self) -> Option<String> {
         match self {
             Self::Rustfmt => first_line(&mut workspace::cargo(["fmt", "--version"])),
@@ -96,7 +96,7 @@ impl Need {
                 machines.stdout.lines().find(|line| line.split(' ').next() == Some(MACHINE))?;
                 first_line(workspace::program(QEMU).arg("--version"))
             }
-            // Who has the package itself needs nothing to fetch it with.
+            // A user who has uPlot's package does not need npm.
             Self::Npm => match env::var("PYLON_UPLOT") {
                 Ok(folder) => Some(format!("uPlot in {folder}")),
                 Err(_) => first_line(workspace::program(NPM).arg("--version")),
@@ -151,12 +151,12 @@ impl Need {
     }
 }
 
-/// The interpreter that has the telemetry's client.
+/// The Python interpreter that has the telemetry's client.
 pub fn pymavlink_python() -> PathBuf {
     workspace::target_folder().join(PYMAVLINK).join("bin/python")
 }
 
-/// Finds what is needed; installs it where it is missing, and says so on standard error.
+/// Finds a need; if it is missing, installs it and reports that on standard error.
 pub fn provide(need: Need, echo: bool) -> anyhow::Result<Provided> {
     let name = need.name();
     if let Some(found) = need.find() {
@@ -167,7 +167,7 @@ pub fn provide(need: Need, echo: bool) -> anyhow::Result<Provided> {
     eprintln!("{name} is missing; installing it: {by_hand}");
     for mut command in commands {
         let outcome = child::run(&mut command, echo);
-        // A package list that could not be renewed may still do.
+        // An outdated package list may still be good enough.
         if !child::shown(&command).ends_with("update") {
             outcome.with_context(|| {
                 format!("{name} is missing and could not be installed; by hand: {by_hand}")
@@ -180,7 +180,8 @@ pub fn provide(need: Need, echo: bool) -> anyhow::Result<Provided> {
     }
 }
 
-/// Installs a package of Debian's and Ubuntu's. Elsewhere it has to be done by hand; `hint` says what counts.
+/// Commands that install a package of Debian and Ubuntu. Elsewhere the user must install it; `hint` states
+/// what is needed.
 fn install(package: &str, hint: &str) -> anyhow::Result<Vec<Command>> {
     if !on_path("apt-get") {
         bail!("this machine has no apt-get; install {package} by hand: {hint}");
@@ -191,13 +192,13 @@ fn install(package: &str, hint: &str) -> anyhow::Result<Vec<Command>> {
     ])
 }
 
-/// apt-get with these arguments, as root, for the sake of a package.
+/// apt-get with these arguments, as root, in order to install a package.
 fn apt(package: &str, arguments: &[&str]) -> anyhow::Result<Command> {
     let mut command = if nix::unistd::geteuid().is_root() {
         workspace::program("env")
     } else if on_path("sudo") {
         let mut sudo = workspace::program("sudo");
-        // Nobody is there to type a password.
+        // Without a terminal, no password can be typed.
         if !io::stdin().is_terminal() {
             sudo.arg("--non-interactive");
         }
@@ -211,7 +212,7 @@ fn apt(package: &str, arguments: &[&str]) -> anyhow::Result<Command> {
     Ok(command)
 }
 
-/// The first line that a program says, if it ends well.
+/// The first line of a program's output, if it succeeds.
 fn first_line(command: &mut Command) -> Option<String> {
     let said = child::run(command, false).ok()?;
     said.stdout.lines().next().map(str::to_owned)

@@ -17,15 +17,15 @@ const PAGE: &str = "apps/studio/page";
 const ENGINE: &str = "studio-engine";
 const PROFILE: &str = "studio";
 
-/// Where real flights are, which the page offers (`offered.json`): never in the project itself.
+/// Folder of real flights, which the page offers (`offered.json`); it is never in the project itself.
 const REAL_LOGS: &str = "../shared/flights/real";
 
-/// The file that is made.
+/// The resulting file.
 pub fn file() -> PathBuf {
     workspace::target_folder().join("studio").join("studio.html")
 }
 
-/// Builds the engine and the page, and makes one file of them; what it is and how large.
+/// Builds the engine and the page into one file; returns a description with its size.
 pub fn build(echo: bool) -> anyhow::Result<String> {
     let mut engine = workspace::cargo(["build", "--package", ENGINE, "--lib"]);
     child::run(engine.args(["--profile", PROFILE, "--target", wasm::TARGET]), echo)?;
@@ -44,8 +44,8 @@ pub fn check(echo: bool) -> anyhow::Result<Done> {
     Ok(Done::all(made))
 }
 
-/// What opens the page in a browser and compares it with the command line, once [`check`] has run and the
-/// tests are built.
+/// The command that opens the page in a browser and compares it with the command line; needs [`check`] and
+/// the built tests.
 pub fn browser_tests() -> anyhow::Result<Command> {
     if fs::read_dir(folder().join("e2e")).map_or(0, Iterator::count) == 0 {
         bail!("{PAGE}/e2e has no test");
@@ -58,7 +58,7 @@ pub fn browser_tests() -> anyhow::Result<Command> {
     Ok(tests)
 }
 
-/// Fetches the page's packages, once a lock file.
+/// Fetches the page's packages, once for each lock file.
 fn packages(echo: bool) -> anyhow::Result<()> {
     let lock = fs::read(folder().join("package-lock.json"))?;
     let stamp = folder().join("node_modules/.pylon-lock");

@@ -1,22 +1,22 @@
-//! A job that somebody watches: what is being done, how far it is while it takes long, and what each step
-//! took.
+//! Progress of a job that a user watches: the current step, its progress if it takes long, and each step's
+//! time.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Between two signs of life.
+/// Time between two progress lines.
 const EVERY: Duration = Duration::from_secs(5);
-/// How often a step is asked whether it has ended.
+/// Time between two checks whether a step has ended.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// What a step's programs said last: the newest line.
+/// The newest line of output from a step's programs.
 #[derive(Debug, Default)]
 pub struct News(Mutex<String>);
 
 impl News {
-    /// Keeps a line. Blank ones are none.
+    /// Keeps a line, unless it is blank.
     pub fn hear(&self, line: &str) {
         let line = line.trim();
         if !line.is_empty() {
@@ -24,7 +24,7 @@ impl News {
         }
     }
 
-    /// How long it has been going on, and the newest line.
+    /// How long the step has been running, and the newest line.
     fn told(&self, elapsed: Duration) -> String {
         let newest = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let newest = if newest.is_empty() { String::new() } else { format!(": {newest}") };
@@ -32,7 +32,7 @@ impl News {
     }
 }
 
-/// The steps of a job; on standard error.
+/// The steps of a job, reported on standard error.
 #[derive(Debug)]
 pub struct Stages {
     planned: usize,
@@ -41,12 +41,12 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// None yet, of so many.
+    /// No step yet of this many.
     pub fn new(planned: usize) -> Self {
         Self { planned, begun: 0, start: Instant::now() }
     }
 
-    /// Does a step; says that it has begun, that it goes on, and how long it took.
+    /// Runs a step; reports its start, its progress and its duration.
     pub fn run<T: Send>(
         &mut self,
         name: &str,
@@ -76,7 +76,7 @@ impl Stages {
         Ok(done)
     }
 
-    /// How long all of it took.
+    /// Reports the total time.
     pub fn finish(self) {
         eprintln!("{} steps, {:.1} s", self.begun, self.start.elapsed().as_secs_f64());
     }

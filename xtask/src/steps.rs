@@ -1,4 +1,4 @@
-//! A job as a row of steps: each is run, timed and told of, and one that fails does not stop the rest.
+//! A job as a series of steps: each is run, timed and reported, and a failed one does not stop the rest.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -8,32 +8,31 @@ use comfy_table::Cell;
 use crate::child::Failure;
 use crate::table::{plain, right};
 
-/// What takes a smaller part of the time has no row of its own among the slowest: a hundred rows hold no more
-/// than this each.
+/// Smallest share of the time that has its own row among the slowest, so that there are at most a hundred.
 const SMALLEST_SHARE: f64 = 0.01;
 
-/// What a step that ended well has to say.
+/// Result of a step that succeeded.
 #[derive(Clone, Debug, Default)]
 pub struct Done {
-    /// In a few words, with its counts.
+    /// A short description with its counts.
     pub what: String,
-    /// What it had to leave out, and why.
+    /// What it left out, and why.
     pub skipped: Vec<String>,
-    /// What its parts took, where it has any.
+    /// The times of its parts, if it has any.
     pub parts: Parts,
 }
 
-/// The parts of a step, which may have run side by side.
+/// The parts of a step, which may have run in parallel.
 #[derive(Clone, Debug, Default)]
 pub struct Parts {
-    /// What each took by itself.
+    /// Time of each part.
     pub each: Vec<(String, Duration)>,
-    /// What all of them took together: less than their sum where they ran side by side.
+    /// Time of all of them together: less than their sum if they ran in parallel.
     pub together: Duration,
 }
 
 impl Parts {
-    /// The part of [`Self::together`] that a part is charged with: in proportion to what it took.
+    /// A part's share of [`Self::together`], in proportion to its own time.
     fn charge(&self, took: Duration) -> Duration {
         let sum: Duration = self.each.iter().map(|(_, took)| *took).sum();
         if sum.is_zero() {
@@ -45,7 +44,7 @@ impl Parts {
 }
 
 impl Done {
-    /// All of it done.
+    /// A step that left nothing out.
     pub fn all(what: impl Into<String>) -> Self {
         Self { what: what.into(), ..Self::default() }
     }
@@ -59,7 +58,7 @@ enum Outcome {
     Skipped(String),
 }
 
-/// A step that ended.
+/// A finished step.
 struct Row {
     name: String,
     outcome: Outcome,
@@ -75,16 +74,16 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// None yet, of so many.
+    /// No step yet of this many.
     pub const fn new(planned: usize) -> Self {
         Self { planned, begun: 0, rows: Vec::new() }
     }
 
-    /// Runs a step, and says whether it passed. What a failed child said goes to standard error.
+    /// Runs a step, and returns whether it passed. A failed child's output goes to standard error.
     pub fn run(&mut self, name: &str, step: impl FnOnce() -> anyhow::Result<Done>) -> bool {
         self.begun += 1;
         eprint!("[{:>2}/{}] {name} ... ", self.begun, self.planned);
-        // Progress that nobody can be shown is no reason to stop.
+        // A progress line that cannot be shown is no reason to stop.
         let _ = io::stderr().flush();
         let start = Instant::now();
         let outcome = step();
@@ -95,7 +94,7 @@ impl Steps {
                 eprintln!("passed, {}", seconds(took));
                 add(Outcome::Passed(what), parts);
                 for what in skipped {
-                    // Not in the words in which a test says that it skips: this is run in a test as well.
+                    // Not in the words with which a test reports a skip: this is run in a test as well.
                     eprintln!("           left out: {what}");
                     self.rows.push(Row {
                         name: name.to_owned(),
@@ -117,7 +116,7 @@ impl Steps {
         }
     }
 
-    /// How many passed, failed and were skipped.
+    /// Numbers of passed, failed and skipped steps.
     pub fn counts(&self) -> [usize; 3] {
         let count = |kind: fn(&Outcome) -> bool| self.rows.iter().filter(|row| kind(&row.outcome)).count();
         [
@@ -127,7 +126,7 @@ impl Steps {
         ]
     }
 
-    /// Every step, one a row.
+    /// Every step, one row each.
     pub fn table(&self) -> String {
         let mut table = plain([Cell::new("step"), Cell::new("outcome"), right("took"), Cell::new("what")]);
         for Row { name, outcome, took, .. } in &self.rows {
@@ -141,8 +140,8 @@ impl Steps {
         table.trim_fmt()
     }
 
-    /// Where the time went, slowest first: of a step with parts, each of them, and what is left of it. Parts
-    /// that ran side by side have their share of the time that they took together.
+    /// Where the time went, slowest first: for a step with parts, each of them and the remainder. Parts that
+    /// ran in parallel have their share of their common time.
     pub fn slowest(&self) -> String {
         let mut rows: Vec<(String, Duration, Duration)> = Vec::new();
         for Row { name, took, parts, .. } in &self.rows {
@@ -178,7 +177,7 @@ impl Steps {
         table.trim_fmt()
     }
 
-    /// The line that sums up: `N passed, N failed, N skipped`.
+    /// The summary line: `N passed, N failed, N skipped`.
     pub fn verdict(&self) -> String {
         let [passed, failed, skipped] = self.counts();
         format!("{passed} passed, {failed} failed, {skipped} skipped")
@@ -231,7 +230,7 @@ mod tests {
         }
     }
 
-    /// The table's rows without their columns' width, but for its head.
+    /// The table's rows without padding and without the header.
     fn slowest(rows: Vec<Row>) -> Vec<String> {
         let table = Steps { planned: rows.len(), begun: rows.len(), rows }.slowest();
         table.lines().skip(1).map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect()
@@ -256,7 +255,7 @@ mod tests {
         assert_eq!(slowest(rows), expected);
     }
 
-    /// Two lanes: 400 s and 200 s of parts took 300 s, which are all that the step is charged with.
+    /// Two lanes: 400 s and 200 s of parts took 300 s together, which is all that the step is charged with.
     #[test]
     fn parts_that_ran_side_by_side_share_the_time_that_they_took_together() {
         let rows = vec![row("clippy", 100, 0, &[]), row("tests", 300, 300, &[("long", 400), ("short", 200)])];

@@ -1,4 +1,4 @@
-//! What the demo has to tell: one screen.
+//! Prints the demo's results on one screen.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -10,7 +10,7 @@ use serde::Deserialize;
 use crate::table::{plain, right};
 use crate::workspace;
 
-/// What the paper says of a sensor.
+/// The paper's results for a sensor.
 struct Published {
     name: &'static str,
     bias_m: f64,
@@ -41,18 +41,18 @@ const PUBLISHED: [Published; 2] = [
     },
 ];
 
-/// What of `pylon fly --json` is told.
+/// The part of `pylon fly --json` that is used.
 #[derive(Debug, Deserialize)]
 pub struct Flown {
-    /// Ticks flown, each with the host's bits.
+    /// Ticks flown, each identical to the host's bits.
     pub ticks: u32,
-    /// Instructions of a tick, mean.
+    /// Mean instructions of a tick.
     pub instructions_mean: f64,
-    /// Of the dearest tick.
+    /// Instructions of the most expensive tick.
     pub instructions_worst: u32,
 }
 
-/// What of `pylon compare --json` is told.
+/// The part of `pylon compare --json` that is used.
 #[derive(Debug, Deserialize)]
 pub struct Comparison {
     flight: Facts,
@@ -85,13 +85,13 @@ struct Calibration {
 /// The demo's flight.
 #[derive(Debug)]
 pub struct Story {
-    /// In the emulator.
+    /// Its run in the emulator.
     pub flown: Flown,
-    /// With the model.
+    /// Its comparison with the model.
     pub comparison: Comparison,
     /// Its file.
     pub flight: PathBuf,
-    /// What was drawn.
+    /// Pictures of the comparison.
     pub pictures: Vec<PathBuf>,
 }
 
@@ -101,7 +101,7 @@ fn number(value: Option<f64>, digits: usize) -> String {
 }
 
 impl Story {
-    /// The paper's numbers beside ours.
+    /// The paper's numbers next to ours.
     fn table(&self) -> String {
         let ours = |published: &Published| self.comparison.sensors.get(published.name);
         type Ours = fn(&Sensor) -> Option<f64>;

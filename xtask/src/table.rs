@@ -2,7 +2,7 @@
 
 use comfy_table::{Cell, CellAlignment, Table, presets};
 
-/// A table without lines, to be filled.
+/// An empty table without lines.
 pub fn plain(header: impl IntoIterator<Item = Cell>) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -13,7 +13,7 @@ pub fn plain(header: impl IntoIterator<Item = Cell>) -> Table {
     table
 }
 
-/// A cell whose text ends at the column's right edge.
+/// A right-aligned cell.
 pub fn right(text: impl Into<String>) -> Cell {
     Cell::new(text.into()).set_alignment(CellAlignment::Right)
 }

@@ -15,7 +15,7 @@ use crate::test_report::TestReport;
 use crate::wasm;
 use crate::workspace::{self, TARGET};
 
-/// A step and what the machine must have for it.
+/// A step, and what the machine must have for it.
 struct Step {
     name: &'static str,
     needs: &'static [Need],
@@ -24,13 +24,13 @@ struct Step {
 
 /// How a step is done.
 enum Run {
-    /// By itself.
+    /// By a function.
     Alone(fn(echo: bool) -> anyhow::Result<Done>),
-    /// By these of the programs of tests, or all.
+    /// By running these test programs, or all.
     Programs,
 }
 
-/// The step that runs programs of tests.
+/// The step that runs the test programs.
 const TESTS: &str = "tests";
 
 const STEPS: &[Step] = &[
@@ -56,7 +56,7 @@ const STEPS: &[Step] = &[
     Step { name: "demo", needs: &[Need::Target, Need::Qemu, Need::Npm], run: Run::Alone(demo::test) },
 ];
 
-/// Runs the steps and the programs of tests whose name contains one of the words, or all; says whether none
+/// Runs the steps and test programs whose names contain one of the words, or all; returns whether none
 /// failed.
 pub fn run(words: &[String], list: bool, echo: bool) -> anyhow::Result<bool> {
     let is_meant = |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word.as_str()));
@@ -113,7 +113,7 @@ fn set_up(need: Need, echo: bool) -> anyhow::Result<Done> {
     }))
 }
 
-/// Runs cargo and has no more to say than that it ended well.
+/// Runs cargo; the result has no details.
 fn cargo<const N: usize>(arguments: [&str; N], echo: bool) -> anyhow::Result<Done> {
     child::run(&mut workspace::cargo(arguments), echo)?;
     Ok(Done::default())
@@ -127,8 +127,8 @@ fn clippy_host(echo: bool) -> anyhow::Result<Done> {
     cargo(["clippy", "--workspace", "--exclude", "firmware", "--all-targets", "--", "-D", "warnings"], echo)
 }
 
-/// The workbench's formats, each of which is a feature: without any, and with each alone, as who embeds them
-/// may want them.
+/// Builds the workbench's formats, each of which is a feature: without any, and with each alone, as programs
+/// that embed them may want.
 fn formats_one_by_one(echo: bool) -> anyhow::Result<Done> {
     const FEATURES: [&str; 10] =
         ["", "altus", "dataflash", "igc", "mcap", "parquet", "record", "table", "tlog", "ulog"];
@@ -186,15 +186,15 @@ fn image_f405(echo: bool) -> anyhow::Result<Done> {
     image("board-f405", echo)
 }
 
-/// Builds the flight computer's image where the workbench builds it.
+/// Builds the flight computer's image in the folder where the workbench builds it.
 fn image(board: &str, echo: bool) -> anyhow::Result<Done> {
     let mut build = workspace::firmware_build("flight", board);
     child::run(&mut build, echo)?;
     Ok(Done::default())
 }
 
-/// The tests of every crate but the firmware, of the page and of the documentation's examples: unit, property
-/// and whole-chain tests, the flights in the emulator among them.
+/// The tests of every crate except the firmware, of the page and of the documentation's examples: unit,
+/// property and whole-chain tests, including the flights in the emulator.
 fn tests(programs: Vec<TestProgram>, echo: bool) -> anyhow::Result<Done> {
     eprintln!();
     let mut report = TestReport::default();

@@ -1,8 +1,8 @@
-//! The programs of tests: what cargo builds of every crate but the firmware, the documentation's examples,
-//! and the studio in a browser.
+//! The test programs: those that cargo builds for every crate except the firmware, the documentation's
+//! examples, and the studio in a browser.
 //!
-//! They run side by side: one that links an image, or waits for a browser or the emulator, leaves processors
-//! to another.
+//! They run in parallel: while one links an image, or waits for a browser or the emulator, another can use
+//! the processors.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -21,45 +21,45 @@ use crate::site;
 use crate::test_report::Kind;
 use crate::workspace;
 
-/// How many run at a time. Each has a thread for every processor, so that two of them leave none idle unless
-/// both wait.
+/// Number of programs that run at a time. Each has a thread for every processor, so two of them leave a
+/// processor idle only while both wait.
 const SIDE_BY_SIDE: usize = 2;
 
 /// The documentation's examples, which `cargo test --doc` compiles and runs.
 const EXAMPLES: &str = "documentation examples";
 
-/// A program of tests.
+/// A test program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TestProgram {
-    /// What it is called: as its file, or as the crate whose units it tests.
+    /// Its name: that of its file, or of the crate whose units it tests.
     pub name: String,
     /// What it tests.
     pub kind: Kind,
-    /// Where cargo has it from; none for what is no program of cargo's.
+    /// Where cargo builds it from; none if it is not one of cargo's.
     source: Option<Source>,
 }
 
-/// What a program is built from.
+/// Source of a program.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Source {
-    /// Its first file, by which it is known: a crate's library and its program may be called alike.
+    /// Its first file, which identifies it: a crate's library and its program may have the same name.
     file: PathBuf,
     /// The crate's folder, in which it is run.
     folder: PathBuf,
 }
 
-/// What became of one.
+/// Result of a test program.
 #[derive(Debug)]
 pub struct Ended {
-    /// Which.
+    /// The program.
     pub program: TestProgram,
-    /// What it said, or why it failed or was not run.
+    /// Its output, or why it failed or was not run.
     pub outcome: anyhow::Result<ChildOutput>,
-    /// For how long it ran.
+    /// How long it ran.
     pub took: Duration,
 }
 
-/// A line of cargo's with what it has built.
+/// A line of cargo's output that reports a built artifact.
 #[derive(Deserialize)]
 struct Artifact {
     target: Target,
@@ -72,7 +72,7 @@ struct Profile {
     test: bool,
 }
 
-/// The program that has a target's tests.
+/// The program with the tests of a target.
 fn program(target: Target, manifest: &Path) -> anyhow::Result<TestProgram> {
     let folder = manifest.parent().context("a manifest has no folder")?;
     let is_integration = target.kind.iter().any(|kind| kind == "test");
@@ -86,8 +86,8 @@ fn program(target: Target, manifest: &Path) -> anyhow::Result<TestProgram> {
     Ok(TestProgram { name: target.name.replace('-', "_"), kind, source })
 }
 
-/// Every program, in the order in which they are started, without building any: those that use few processors
-/// for long come first, so that none of them is left alone in the end.
+/// Every program, in starting order, without building any. Those that use few processors for long come first,
+/// so that none of them is left running alone at the end.
 pub fn all() -> anyhow::Result<Vec<TestProgram>> {
     let mut programs = Vec::new();
     for package in packages::all()?.into_iter().filter(|package| package.name != workspace::UNTESTED) {
@@ -101,7 +101,7 @@ pub fn all() -> anyhow::Result<Vec<TestProgram>> {
     Ok(programs)
 }
 
-/// Builds those of cargo's, and says where each is, by its first file.
+/// Builds cargo's programs; returns the path of each by its first file.
 fn build(echo: bool) -> anyhow::Result<HashMap<PathBuf, PathBuf>> {
     let mut cargo = workspace::test(["--no-run", "--message-format", "json-render-diagnostics"]);
     let built = child::run(&mut cargo, echo)?.stdout;
@@ -116,7 +116,7 @@ fn build(echo: bool) -> anyhow::Result<HashMap<PathBuf, PathBuf>> {
     Ok(executables)
 }
 
-/// The command that runs a program: one of cargo's as cargo would.
+/// The command that runs a program; for cargo's, as cargo would run it.
 fn command(program: &TestProgram, executables: &HashMap<PathBuf, PathBuf>) -> anyhow::Result<Command> {
     let Some(Source { file, folder }) = &program.source else {
         return match program.kind {
@@ -131,11 +131,11 @@ fn command(program: &TestProgram, executables: &HashMap<PathBuf, PathBuf>) -> an
     Ok(command)
 }
 
-/// Builds and runs these, some at a time; `ended` gets each as it ends. Says how long they took together,
-/// without the building.
+/// Builds and runs these programs, some at a time; `ended` gets each as it ends. Returns how long they took
+/// together, without the building.
 ///
 /// # Errors
-/// They do not build. A program that fails, or cannot be run, does not keep the others from running.
+/// The programs cannot be built. One that fails or cannot be run does not stop the others.
 pub fn run(
     programs: Vec<TestProgram>,
     echo: bool,
@@ -153,7 +153,7 @@ pub fn run(
     Ok(start.elapsed())
 }
 
-/// Does these jobs, so many at a time, in their order; `ended` gets each result as it comes.
+/// Runs these jobs in order, this many at a time; `ended` gets each result as it arrives.
 fn side_by_side<J: Send, R>(
     jobs: Vec<J>,
     lanes: usize,
@@ -206,7 +206,7 @@ mod tests {
         assert_ne!(alike[0], alike[1]);
     }
 
-    /// Were they one after the other, the first two would wait for each other for ever.
+    /// If they ran one after the other, the first two would wait for each other for ever.
     #[test]
     fn jobs_run_side_by_side_and_each_ends_once() {
         let meet = Barrier::new(2);

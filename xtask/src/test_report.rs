@@ -1,21 +1,21 @@
-//! What tests say, counted.
+//! Counts results from the output of tests.
 
 use std::fmt;
 
 /// A kind of test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Beside the code.
+    /// Tests within the code.
     Unit,
-    /// In a crate's folder `tests`.
+    /// Tests in a crate's folder `tests`.
     Integration,
-    /// There, and with the emulator.
+    /// Such tests that use the emulator.
     Emulated,
-    /// There, and about the firmware's budgets.
+    /// Such tests of the firmware's budgets.
     Budgets,
-    /// Of the studio's page.
+    /// Tests of the studio's page.
     Browser,
-    /// In the documentation.
+    /// Examples in the documentation.
     Documentation,
 }
 
@@ -29,7 +29,7 @@ impl Kind {
         (Self::Documentation, "documentation"),
     ];
 
-    /// The order in which they are started: what waits for others, on few processors and for long, first.
+    /// The starting order: tests that wait long for other programs, on few processors, come first.
     pub const fn rank(self) -> u8 {
         match self {
             Self::Budgets => 0,
@@ -42,7 +42,7 @@ impl Kind {
     }
 }
 
-/// How tests fared.
+/// Results of tests.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TestReport {
     /// Tests that passed, by kind.
@@ -51,13 +51,13 @@ pub struct TestReport {
     pub failed: usize,
     /// Tests that are marked as ignored.
     ignored: usize,
-    /// What tests said they left out (`skipped: ...`), each once.
+    /// What tests reported as left out (`skipped: ...`), each once.
     pub skipped: Vec<String>,
 }
 
 impl TestReport {
-    /// Takes what a program of this kind said, both streams in order: one of Rust's with `--show-output`, or
-    /// Node's.
+    /// Reads the output of a program of this kind, both streams in order: of a Rust test program with
+    /// `--show-output`, or of Node.
     pub fn hear(&mut self, kind: Kind, output: &str) {
         for line in output.lines() {
             if let Some(counts) = line.strip_prefix("test result: ") {
@@ -95,7 +95,7 @@ impl TestReport {
     }
 }
 
-/// The number in `# pass 35` or `ℹ pass 35`, in which Node's test runner sums up.
+/// The number in `# pass 35` or `ℹ pass 35`, the summary of Node's test runner.
 fn node_count(line: &str, what: &str) -> Option<usize> {
     let rest = line.strip_prefix("# ").or_else(|| line.strip_prefix("ℹ "))?;
     rest.strip_prefix(what)?.trim().parse().ok()

@@ -1,4 +1,4 @@
-//! The workbench's crates for a browser: that they build for it, and that they say there what they say here.
+//! Checks that the workbench's crates build for a browser and give the same results there as here.
 
 use crate::child;
 use crate::packages;
@@ -10,7 +10,7 @@ pub const TARGET: &str = "wasm32-unknown-unknown";
 
 /// The folder of the workbench's crates.
 const WORKBENCH: &str = "workbench";
-/// The one of them that runs programs and talks to boards.
+/// The one of them that need not build for a browser: it runs programs and talks to boards.
 const NATIVE: &str = "emulate";
 
 /// The crates that must build for a browser.
@@ -20,7 +20,7 @@ fn portable() -> anyhow::Result<Vec<String>> {
     Ok(ours.map(|package| package.name).filter(|name| name != NATIVE).collect())
 }
 
-/// Builds them. What they may call there is another matter, which `workbench/clippy.toml` has an eye on.
+/// Builds them. What they may call there is checked separately, by `workbench/clippy.toml`.
 pub fn check(echo: bool) -> anyhow::Result<Done> {
     let portable = portable()?;
     let mut check = workspace::cargo(["check", "--target", TARGET]);

@@ -1,4 +1,4 @@
-//! Tests that `docs/bring-up.md` has the pins and rates that the board's firmware has.
+//! Tests that `docs/bring-up.md` lists the same pins and rates as the board's firmware.
 
 use crate::workspace;
 
@@ -34,14 +34,14 @@ fn pin_rows(source: &str) -> Vec<String> {
     items(source).iter().filter_map(row).collect()
 }
 
-/// `| Rate of ..., baud | 38400 |` for every number: what stands before the first colon, and the number.
+/// `| Rate of ..., baud | 38400 |` for every number: the comment up to its first colon, and the number.
 fn rate_rows(source: &str) -> Vec<String> {
     let row = |(comment, line): &(String, &str)| {
         let (_, number) = line.strip_prefix("pub const ")?.split_once(" = ")?;
         let number = number.strip_suffix(';')?.replace('_', "");
         let what = comment.split_once(": ").map_or(comment.as_str(), |(what, _)| what);
-        // The channel of a DMA stream concerns nobody with a soldering iron.
-        // Nor does what is no number.
+        // The channel of a DMA stream does not matter for wiring.
+        // Nor does a constant that is not a number.
         (!comment.starts_with("See [") && number.parse::<u64>().is_ok())
             .then(|| format!("| {} | {number} |", what.trim_end_matches('.')))
     };

@@ -1,4 +1,4 @@
-//! Where things are in the checkout.
+//! Paths in the checkout.
 
 use std::env;
 use std::ffi::OsString;
@@ -16,17 +16,17 @@ pub fn root() -> &'static Path {
     here.parent().unwrap_or(here)
 }
 
-/// Cargo's folder of what it builds.
+/// Cargo's target folder.
 pub fn target_folder() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |folder| root().join(folder))
 }
 
-/// The workbench's program, once [`build_workbench`] has run.
+/// The workbench's program; needs [`build_workbench`] first.
 pub fn workbench() -> PathBuf {
     target_folder().join("release").join(format!("pylon{}", env::consts::EXE_SUFFIX))
 }
 
-/// A path as a reader at the checkout's folder would write it.
+/// A path relative to the checkout's folder, where possible.
 pub fn shown(path: &Path) -> String {
     path.strip_prefix(root()).unwrap_or(path).display().to_string()
 }
@@ -38,29 +38,29 @@ pub fn program(name: impl Into<OsString>) -> Command {
     command
 }
 
-/// Cargo with these arguments: the one that runs this program.
+/// The cargo that runs this program, with these arguments.
 pub fn cargo<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
     let mut command = program(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments);
     command
 }
 
-/// The crate without tests of its own, which only builds for the target.
+/// The crate without tests of its own; it builds only for the target.
 pub const UNTESTED: &str = "firmware";
 
-/// What runs every test but that one's: always with the same packages, or cargo builds them anew with other
-/// features.
+/// Arguments that run every test except that crate's. The packages are always the same, or cargo would build
+/// them again with other features.
 const TESTED: [&str; 4] = ["test", "--workspace", "--exclude", UNTESTED];
 
-/// Cargo, to run these tests.
+/// Cargo with the arguments that run these tests.
 pub fn test<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
     let mut test = cargo(TESTED);
     test.args(arguments);
     test
 }
 
-/// A program as the tests have it, once `test(["--no-run"])` has run: the same bits as the release's, and the
-/// test command builds it in any case.
+/// A program as built for the tests; needs `test(["--no-run"])` first. It has the same bits as the release's,
+/// and the test command builds it anyway.
 pub fn tested(name: &str) -> PathBuf {
     target_folder().join("debug").join(format!("{name}{}", env::consts::EXE_SUFFIX))
 }
@@ -70,7 +70,7 @@ pub fn build_workbench() -> Command {
     cargo(["build", "--release", "--package", "pylon"])
 }
 
-/// Builds an image of the firmware, in the folder in which the workbench builds it.
+/// Builds an image of the firmware, in the folder where the workbench builds it.
 pub fn firmware_build(binary: &str, features: &str) -> Command {
     let mut build = cargo(["build", "--package", "firmware", "--bin", binary, "--features", features]);
     build.args(["--profile", "firmware", "--target", TARGET, "--target-dir", "target/flight-computer"]);

@@ -1,4 +1,4 @@
-//! The program as a user meets it.
+//! Tests of the program from the user's side.
 #![allow(clippy::unwrap_used)]
 
 use std::process::{Command, Output};
@@ -66,7 +66,7 @@ fn a_measured_child_that_fails_has_no_cost() {
     assert_eq!(text(&failed.stderr), "error: `sh -c exit 3` ended with exit status: 3\n");
 }
 
-/// The program with nothing on its path but a `probe-rs` that says this, if anything.
+/// Runs the program with nothing on its PATH except a `probe-rs` that prints this text, if given.
 fn with_probe_rs(arguments: &[&str], says: Option<&str>) -> Output {
     use std::os::unix::fs::PermissionsExt;
 
@@ -83,7 +83,7 @@ fn with_probe_rs(arguments: &[&str], says: Option<&str>) -> Output {
     output
 }
 
-/// Status 1 would say that the bits differ.
+/// Status 1 would mean that the bits differ.
 #[test]
 fn a_flight_that_can_not_be_flown_on_a_board_is_status_2() {
     let hil = with_probe_rs(&["hil", "flight.csv"], None);

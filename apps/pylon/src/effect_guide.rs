@@ -11,7 +11,8 @@ use model::{Board, Model};
 pub use analysis::effect_guide::{Explanation, explanation};
 pub use picture::Picture;
 
-/// The effects whose names are that one, or begin with it (`baro` for all of the barometer's).
+/// Effects with exactly this name, or else those whose name begins with it (`baro` for all of the
+/// barometer's).
 #[must_use]
 pub fn named(model: &Model, name: &str) -> Vec<EffectId> {
     let exact = model.effect_named(name);
@@ -22,7 +23,7 @@ pub fn named(model: &Model, name: &str) -> Vec<EffectId> {
     exact.map_or_else(of_subject, |effect| vec![effect])
 }
 
-/// What stands for an effect's name that is none, if one is near.
+/// The effect whose name is nearest to an unknown one, if any is near.
 #[must_use]
 pub fn nearest(model: &Model, name: &str) -> Option<&'static str> {
     let distance = |effect: &EffectId| strsim::osa_distance(name, effect.name());
@@ -36,7 +37,7 @@ fn range(effect: EffectId) -> String {
     format!("{least} to {most}{unit}")
 }
 
-/// The catalogue, and the model's own effects, a line each.
+/// The catalogue and the model's own effects, one line each.
 #[must_use]
 pub fn list(model: &Model) -> String {
     let width = |text: fn(EffectId) -> usize| model.catalogue().map(text).max().unwrap_or(0);

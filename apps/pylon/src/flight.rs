@@ -1,4 +1,4 @@
-//! A flight ([`flight_data`]) and the files that it is in.
+//! A flight ([`flight_data`]) and its files.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ pub enum Problem {
     /// The file could not be opened or read.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is no flight's CSV, or one with an error in it.
+    /// It is no flight CSV, or one with an error in it.
     #[error(transparent)]
     Csv(#[from] CsvProblem),
     /// A log of another format that could not be imported.
@@ -59,10 +59,10 @@ impl From<OpenError> for Problem {
     }
 }
 
-/// Reads a flight from a CSV file, with notes on what was odd but readable.
+/// Reads a flight from a CSV file, with notes on anything unusual but readable.
 ///
 /// # Errors
-/// The first thing in the file that is not as [`flight_data`] says, with file, row and column.
+/// The first deviation from the format of [`flight_data`], with file, row and column.
 pub fn read(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
     let text = whole_file::read(path).map_err(|error| ReadError::new(path, error.into()))?;
     parse(&text).map_err(|problem| ReadError::new(path, problem.into()))
@@ -76,7 +76,7 @@ pub fn parse(text: &[u8]) -> Result<(Flight, Vec<Note>), CsvProblem> {
     flight_data::parse_with(text, &Threads)
 }
 
-/// Writes a flight to a CSV file, whole or not at all.
+/// Writes a flight to a CSV file, completely or not at all.
 ///
 /// # Errors
 /// [`OutputError`], also for a flight that no CSV file can hold ([`FlightError`] inside).

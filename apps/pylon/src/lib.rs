@@ -1,4 +1,4 @@
-//! The workbench of Pylon: it compares what the estimator in [`kf_core`] says with measured flights.
+//! The workbench of Pylon: it compares the results of the estimator in [`kf_core`] with measured flights.
 
 pub mod batch;
 pub mod compare;

@@ -1,4 +1,4 @@
-//! Output files that appear whole or not at all, and never in the place of something that would be lost.
+//! Output files that appear complete or not at all, and never replace anything that would be lost.
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Write};
@@ -6,21 +6,21 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// An output file that was not written. Nothing of it is left behind, and a file of that name that
-/// was there before is as it was.
+/// An output file that was not written. No part of it is left behind, and a previous file of that name is
+/// unchanged.
 #[derive(Debug, Error)]
 #[error("{}: cannot be written: {reason}", path.display())]
 pub struct OutputError {
-    /// The file that was to be written.
+    /// The path that was to be written.
     pub path: PathBuf,
     /// What went wrong.
     pub reason: io::Error,
 }
 
-/// Writes a file through `content`, whole or not at all: [`prepare`] and [`Prepared::publish`] at once.
+/// Writes a file through `content`, completely or not at all: [`prepare`], then [`Prepared::publish`].
 ///
 /// # Errors
-/// As these two.
+/// As for these two.
 pub fn write_atomically<F>(path: &Path, content: F) -> Result<(), OutputError>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -28,22 +28,22 @@ where
     prepare(path, content)?.publish()
 }
 
-/// An output file that is complete and on the disk, and does not have its name yet. Dropped, it leaves
+/// An output file that is complete and on the disk, but does not have its name yet. If dropped, it leaves
 /// nothing behind.
 #[must_use = "the file has no name before it is published"]
 #[derive(Debug)]
 pub struct Prepared {
-    /// The name that the user gave, for errors.
+    /// The name that the user gave, for error messages.
     path: PathBuf,
     kind: Kind,
 }
 
 #[derive(Debug)]
 enum Kind {
-    /// What is written to is no regular file (`/dev/stdout`, a pipe), so it cannot be replaced: the text
-    /// waits here.
+    /// The target is no regular file (`/dev/stdout`, a pipe) and cannot be replaced: the text is kept here
+    /// until it is written.
     Device(Vec<u8>),
-    /// A file with a temporary name in the directory of `target`, or without any.
+    /// A file in the directory of `target`, with a temporary name or none.
     File { target: PathBuf, temporary: Temporary },
 }
 
@@ -54,17 +54,17 @@ enum Temporary {
     Named(tempfile::NamedTempFile),
 }
 
-/// Writes all of a file through `content` to the disk, in the directory of `path` and without that name: on
-/// Linux without any name, elsewhere under a temporary one.
+/// Writes a complete file through `content` to the disk, in the directory of `path` but not under that name:
+/// on Linux without any name, elsewhere under a temporary one.
 ///
-/// A file that it will replace keeps its mode and its owner. A `path` that exists and is not a regular file
-/// (`/dev/stdout`, a pipe) is written to directly by [`Prepared::publish`]. A symbolic link stays; the file
-/// that it leads to is replaced.
+/// A file that replaces another takes over its mode and its owner. A `path` that exists and is not a regular
+/// file (`/dev/stdout`, a pipe) is written to directly by [`Prepared::publish`]. A symbolic link stays; the
+/// file that it leads to is replaced.
 ///
 /// # Errors
 /// [`OutputError`] when the directory is missing or read-only, the disk is full, `content` failed, or `path`
-/// is a file that must not be replaced: one that is read-only, or one with a second hard link, which would go
-/// on leading to the old text.
+/// is a file that must not be replaced: one that is read-only, or one with a second hard link, which would
+/// still lead to the old text.
 pub fn prepare<F>(path: &Path, content: F) -> Result<Prepared, OutputError>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -106,10 +106,10 @@ where
 }
 
 impl Prepared {
-    /// Gives the file its name, in place of what had it.
+    /// Gives the file its name, replacing any file of that name.
     ///
     /// # Errors
-    /// [`OutputError`]; what had the name still has it.
+    /// [`OutputError`]; a previous file of that name is unchanged.
     pub fn publish(self) -> Result<(), OutputError> {
         let Self { path, kind } = self;
         let published = match kind {
@@ -119,10 +119,10 @@ impl Prepared {
         published.map_err(|reason| OutputError { path, reason })
     }
 
-    /// Gives the file its name, which nothing may have yet.
+    /// Gives the file its name, which must not be taken.
     ///
     /// # Errors
-    /// [`OutputError`], of the kind [`io::ErrorKind::AlreadyExists`] where something has the name.
+    /// [`OutputError`], of the kind [`io::ErrorKind::AlreadyExists`] if the name is taken.
     pub fn publish_new(self) -> Result<(), OutputError> {
         let Self { path, kind } = self;
         let published = match kind {
@@ -164,7 +164,7 @@ fn directory_of(target: &Path) -> &Path {
     }
 }
 
-/// Refuses to replace a file where that would undo what somebody meant by it.
+/// Refuses to replace a file if that would defeat its owner's intent.
 fn check_replaceable(existing: &Metadata) -> io::Result<()> {
     if existing.permissions().readonly() {
         return Err(io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only"));
@@ -192,7 +192,7 @@ where
     if let Some(replaced) = replaced {
         take_over(file, replaced)?;
     }
-    // A rename can reach the disk before the data does; without this a power cut leaves an empty file.
+    // A rename can reach the disk before the data does; without this a power cut could leave an empty file.
     file.sync_all()
 }
 
@@ -209,7 +209,7 @@ fn take_over(file: &File, replaced: &Metadata) -> io::Result<()> {
             )
         })?;
     }
-    // After the owner: changing that takes set-user-id bits away.
+    // After the owner, because changing the owner clears set-user-id bits.
     file.set_permissions(replaced.permissions())
 }
 
@@ -218,7 +218,8 @@ fn take_over(_file: &File, _replaced: &Metadata) -> io::Result<()> {
     Ok(())
 }
 
-/// Linux can write a file that has no name yet: killed at any moment, the program leaves nothing behind.
+/// On Linux a file can be written before it has a name: if killed at any moment, the program leaves nothing
+/// behind.
 #[cfg(target_os = "linux")]
 mod unnamed {
     use std::ffi::{OsStr, OsString};
@@ -229,11 +230,11 @@ mod unnamed {
 
     use rustix::fs::{AtFlags, CWD, FlockOperation, Mode, OFlags};
 
-    /// A file without a name in the directory, or `None` where the file system has no such thing or
-    /// `/proc`, which it is named through, is not there.
+    /// Creates a file without a name in the directory. `None` if the file system does not support that, or if
+    /// `/proc`, through which the file is named, is missing.
     pub fn create(directory: &Path) -> Option<File> {
         let flags = OFlags::TMPFILE | OFlags::WRONLY | OFlags::CLOEXEC;
-        // As any new file: what the user's umask leaves of it.
+        // The mode of any new file, which the user's umask reduces.
         let mode = Mode::from_raw_mode(0o666);
         let file = File::from(rustix::fs::open(directory, flags, mode).ok()?);
         fs::exists(link(&file)).is_ok_and(|exists| exists).then_some(file)
@@ -243,20 +244,21 @@ mod unnamed {
         format!("/proc/self/fd/{}", file.as_raw_fd())
     }
 
-    /// Gives the file a name that nothing has.
+    /// Gives the file a name that is not taken.
     pub fn name(file: &File, target: &Path) -> io::Result<()> {
         Ok(rustix::fs::linkat(CWD, link(file), CWD, target, AtFlags::SYMLINK_FOLLOW)?)
     }
 
-    /// Gives the file a name, in place of what had it. The system names a file only where no other is, so a
-    /// name that is taken needs another one in between. That is always the same: killed at this moment, the
-    /// program leaves it behind, and the next one that writes the file takes it away.
+    /// Gives the file a name, replacing any file of that name. The system names a file only if the name is
+    /// free, so a name that is taken needs an intermediate one. The intermediate name is always the same: if
+    /// killed at this moment, the program leaves it behind, and the next program that writes the file removes
+    /// it.
     pub fn replace(file: &File, target: &Path) -> io::Result<()> {
         match name(file, target) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             named => return named,
         }
-        // One at a time: another program that replaces a file here would take away the name in between.
+        // One program at a time: another that replaces this file would remove the intermediate name.
         let directory = File::open(super::directory_of(target))?;
         rustix::fs::flock(&directory, FlockOperation::LockExclusive)?;
         let between = target.with_file_name(between_name(target.file_name().unwrap_or_default()));
@@ -384,7 +386,7 @@ mod tests {
         assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
         assert_eq!(reader.join().unwrap(), b"through");
 
-        // As any program's output: readable by others where the umask lets it be.
+        // As any program's output: readable by others if the umask permits it.
         let reference = directory.path().join("reference");
         fs::write(&reference, "").unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;

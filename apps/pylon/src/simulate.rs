@@ -1,4 +1,4 @@
-//! The flight simulator ([`::simulate`]) on files.
+//! Runs the flight simulator ([`::simulate`]) on files.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -21,10 +21,10 @@ pub enum SimulateError {
         /// Why.
         source: io::Error,
     },
-    /// The scenario makes no sense.
+    /// The scenario is invalid.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The scenario makes sense, but the aircraft cannot fly it.
+    /// The scenario is valid, but the aircraft cannot fly it.
     #[error("{scenario}: {reason}")]
     Motion {
         /// The scenario's file or name.
@@ -56,7 +56,7 @@ pub struct Summary {
 /// Reads a scenario file.
 ///
 /// # Errors
-/// When the file cannot be read, is no TOML, has an unknown key or lacks one, or asks for what
+/// When the file cannot be read, is not TOML, has an unknown key or lacks one, or asks for something that
 /// cannot be simulated.
 pub fn load_scenario(path: &Path) -> Result<Scenario, SimulateError> {
     let text = std::fs::read_to_string(path)
@@ -64,8 +64,8 @@ pub fn load_scenario(path: &Path) -> Result<Scenario, SimulateError> {
     Ok(Scenario::from_toml(&text, &path.display().to_string())?)
 }
 
-/// Simulates a scenario file with its own seed; writes the flight (CSV) and the truth about it (TOML), both
-/// or neither.
+/// Simulates a scenario file with its own seed; writes the flight (CSV) and its truth (TOML), both or
+/// neither.
 ///
 /// # Errors
 /// [`SimulateError`]; nothing is left behind then.
@@ -73,7 +73,7 @@ pub fn run(scenario: &Path, output: &Path, truth: &Path) -> Result<Summary, Simu
     run_with_seed(scenario, None, output, truth)
 }
 
-/// As [`run`], with another seed than the scenario's.
+/// As [`run`], with a seed other than the scenario's.
 ///
 /// # Errors
 /// As [`run`].
@@ -87,8 +87,8 @@ pub fn run_with_seed(
     let seed = seed.unwrap_or(scenario.seed);
     let (flight, truth) = simulate(&scenario, seed)
         .map_err(|reason| SimulateError::Motion { scenario: scenario_file.display().to_string(), reason })?;
-    // Both are complete before either has its name, and the truth has its first: killed in between, the
-    // program leaves no flight without its truth.
+    // Both files are complete before either has its name, and the truth is named first: if killed in between,
+    // the program leaves no flight without its truth.
     let flight_file = prepare(output, |out| flight::to_writer(out, &flight))?;
     let toml = truth
         .to_toml()

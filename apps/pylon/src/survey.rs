@@ -1,4 +1,4 @@
-//! All that a report asks of its flights: [`analysis::survey`] with the machine's threads.
+//! Everything that a report needs from its flights: [`analysis::survey`] run on the machine's threads.
 
 use analysis::survey;
 use model::Model;
@@ -9,19 +9,19 @@ use crate::diagnose::NamedReplay;
 use crate::learn::{Ladder, LadderError, NamedFlight, ladder_by};
 use crate::threads::Threads;
 
-/// Comparisons and scores of flights, each from one pass over a flight's ticks, in which its diagnosis
-/// measures as well.
+/// Comparisons and scores of flights. Each flight's come from one pass over its ticks, which its diagnosis
+/// shares.
 #[derive(Debug)]
 pub struct Survey<'a>(survey::Survey<'a>);
 
 impl<'a> Survey<'a> {
-    /// Of flights with a model and its earlier revisions.
+    /// A survey of flights with a model and its earlier revisions.
     #[must_use]
     pub fn new(model: &Model) -> Self {
         Self(survey::Survey::new(model))
     }
 
-    /// Compares a flight; `progress` is told how many rows are done. See [`survey::Survey::compare`].
+    /// Compares a flight; `progress` is called with the number of rows done. See [`survey::Survey::compare`].
     ///
     /// # Errors
     /// [`ReplayError`] for a model that no mission can be made of.
@@ -36,13 +36,13 @@ impl<'a> Survey<'a> {
         self.0.compare(flight, replay, diagnosed, options, progress, &Threads)
     }
 
-    /// Looks at a flight that is held out.
+    /// Measures and scores a held-out flight.
     pub fn hold_out(&mut self, flight: &NamedFlight<'a>, model: &Model, diagnosed: &NamedReplay<'a>) {
         self.0.hold_out(flight, model, diagnosed, &Threads);
     }
 
-    /// The ladder of a model on flights; flies what the survey does not know. `progress` is told how many
-    /// scores are done.
+    /// The ladder of a model on flights; flies those that the survey does not have yet. `progress` is called
+    /// with the number of scores done.
     ///
     /// # Errors
     /// [`LadderError`], for the first flight that cannot be flown.

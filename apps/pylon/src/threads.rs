@@ -1,11 +1,11 @@
-//! The machine's threads, for the workbench's crates, which start none themselves.
+//! The machine's threads as an executor for the workbench's crates, which start none themselves.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use executor::Executor;
 
-/// As many threads as there are cores, started for each piece of work and gone after it.
+/// As many threads as there are cores, started for each piece of work and ended after it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Threads;
 
@@ -23,7 +23,7 @@ impl Executor for Threads {
         };
         thread::scope(|scope| {
             let helpers: Vec<_> = (1..self.width().min(jobs))
-                // Where the machine has no thread left, this one does it all.
+                // If no thread can be started, this one does all the work.
                 .map_while(|_| thread::Builder::new().spawn_scoped(scope, work).ok())
                 .collect();
             work();

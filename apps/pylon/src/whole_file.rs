@@ -1,20 +1,20 @@
-//! A file's bytes, read in as many threads as there are cores: of a long flight half of the time goes into
-//! the kernel's copying.
+//! A file's bytes, read in as many threads as there are cores: for a long flight half of the time is the
+//! kernel's copying.
 
 use std::io;
 use std::path::Path;
 
-/// A thread is worth starting for this many bytes.
+/// Least number of bytes for which a thread is worth starting.
 #[cfg(unix)]
 const SHORTEST_PART: usize = 4 << 20;
 
-/// Memory that importing a file takes at most, in times of its size.
+/// Limit on the memory that importing a file takes, in multiples of its size.
 const TIMES: u64 = 3;
 
 /// All bytes of a file.
 ///
 /// # Errors
-/// As [`std::fs::read`]; a file that does not fit into memory, before any of it is read.
+/// As [`std::fs::read`]; also for a file that does not fit into memory, before any of it is read.
 #[cfg(unix)]
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     use std::fs::File;
@@ -46,7 +46,8 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// One giant file would take the whole program with it, and all other flights of a batch.
+/// Refuses a file too large for memory: it would end the whole program, and with it all other flights of a
+/// batch.
 fn check_fits(length: u64, available: Option<u64>) -> io::Result<()> {
     let Some(available) = available.filter(|available| length.saturating_mul(TIMES) > *available) else {
         return Ok(());
@@ -62,7 +63,7 @@ fn check_fits(length: u64, available: Option<u64>) -> io::Result<()> {
     ))
 }
 
-/// Memory that can be had without swapping, where the system says so.
+/// Memory available without swapping, if the system reports it.
 fn available() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
@@ -72,7 +73,7 @@ fn available() -> Option<u64> {
 /// All bytes of a file.
 ///
 /// # Errors
-/// As [`std::fs::read`]; a file that does not fit into memory, before any of it is read.
+/// As [`std::fs::read`]; also for a file that does not fit into memory, before any of it is read.
 #[cfg(not(unix))]
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     check_fits(std::fs::metadata(path)?.len(), available())?;

@@ -41,8 +41,9 @@ const fn wanted(effect: EffectId) -> WantedEffect {
     WantedEffect { effect, time_constant_s: None, since: None }
 }
 
-/// The core's filter in single precision and the diagnosis' normal equations in double are two ways to one
-/// estimate: they agree to a small part of its sigma, whatever else acts, and over several flights.
+/// The core's filter in single precision and the diagnosis' normal equations in double precision compute the
+/// same estimate: they agree to a small fraction of its sigma, whatever other effects act, and over several
+/// flights.
 #[test]
 fn the_cores_filter_learns_what_the_diagnosis_estimates() {
     use scenario::EffectId as Injected;
@@ -53,7 +54,8 @@ fn the_cores_filter_learns_what_the_diagnosis_estimates() {
         (&[pressure], EffectId::BaroDynamicPressure, &[1, 2], ""),
         (&[pressure, (Injected::ImuAccelBias, 0.004)], EffectId::ImuAccelBias, &[3], ""),
         (&[(Injected::GpsLatency, 0.8)], EffectId::GpsLatency, &[4], ""),
-        // The model knows the one effect to some sigma, and that is learned anew beside the other.
+        // The model already has the first effect with some sigma, and it is learned again together with the
+        // second.
         (
             &[pressure, (Injected::BaroLag, 0.9)],
             EffectId::BaroLag,
@@ -78,9 +80,9 @@ fn the_cores_filter_learns_what_the_diagnosis_estimates() {
     }
 }
 
-/// A time constant is refined between those of the diagnosis' grid, beside what else acts. The finer ones are
-/// a tenth or an eighth apart: one of the two nearest is found, where the grid's own, 30 and 90 s, are half
-/// as large again or more.
+/// A time constant is refined between the values of the diagnosis' grid, while another effect acts. The
+/// refined values are a tenth or an eighth apart: one of the two nearest is found, whereas the grid's own, 30
+/// and 90 s, are half as large again or more.
 #[test]
 fn a_time_constant_is_refined_beside_what_else_acts() {
     use scenario::EffectId as Injected;
@@ -103,7 +105,8 @@ fn a_time_constant_is_refined_beside_what_else_acts() {
     }
 }
 
-/// Without an airspeed the wind's share of it is estimated beside, of each flight its own: by both alike.
+/// Without an airspeed the filter and the diagnosis both estimate the wind's share of it, separately for each
+/// flight.
 #[test]
 fn the_cores_filter_knows_the_wind() {
     let scenario = quickstart(&[(scenario::EffectId::BaroDynamicPressure, 0.12)]);
@@ -134,7 +137,7 @@ fn an_effect_without_movement_or_signal_has_no_lesson() {
     assert!(diagnosis.untested.iter().any(|untested| untested.effect == "baro.propwash"));
 }
 
-/// The score is the comparison's, without the rest of it.
+/// A score equals that part of a comparison.
 #[test]
 fn a_score_is_what_a_comparison_says() {
     let (flight, _) = simulate(&quickstart(&[(scenario::EffectId::BaroDynamicPressure, 0.2)]), 1).unwrap();
@@ -199,7 +202,7 @@ fn an_effect_is_learned_written_and_laddered() {
     assert!(text.starts_with(before), "{text}");
     let model = Model::parse(&text).unwrap();
     let (effect, revision) = (&model.effects[0], &model.revisions[0]);
-    // JSON has the decimal that was written.
+    // The JSON has the decimal that was written to the file.
     assert_eq!(effect.term.coefficient, number("coefficient") as f32);
     assert_eq!((effect.estimate, effect.learned_from.as_deref()), (false, Some("a.csv")));
     assert_eq!(effect.date.as_deref(), Some("2023-11-14"));
@@ -207,14 +210,15 @@ fn an_effect_is_learned_written_and_laddered() {
     assert!((revision.held_out_after_m.unwrap() - number("rms_after_m")).abs() < 1e-4);
     assert_eq!(revision.date.as_deref(), Some("2023-11-14"));
 
-    // Every use on the flight that it was learned from lies within the envelope.
+    // All uses on the flight that it was learned from lie within the envelope.
     let compared = |flight: &str| -> Value {
         let json = stdout(directory, &["compare", flight, "--model", "ours.toml", "--json"]);
         serde_json::from_str(&json).unwrap()
     };
     assert_eq!(compared("a.csv")["effects"][0]["extrapolated_ticks"], 0);
 
-    // Learned anew, and as a state: the old coefficient is kept, the file has one effect and two revisions.
+    // Learned again, now as a state: the old coefficient is kept, and the file has one effect and two
+    // revisions.
     let again = stdout(directory, &[ADD.as_slice(), &["--estimate"]].concat());
     assert!(again.contains("replaces the model's earlier value"), "{again}");
     assert!(again.contains("revision 2") && again.contains("Held-out manoeuvres"), "{again}");
@@ -230,7 +234,7 @@ fn an_effect_is_learned_written_and_laddered() {
     let rms = |revision: usize, flight: usize| {
         revisions[revision]["flights"][flight]["sensors"]["baro"]["free_flight_rms_m"].as_f64().unwrap()
     };
-    // Its figures are those measured when the revisions were made.
+    // Its values are those measured when the revisions were made.
     assert!((rms(0, 1) - number("rms_before_m")).abs() < 1e-9);
     assert!((rms(1, 1) - number("rms_after_m")).abs() < 1e-9);
     assert!(rms(0, 0) > rms(1, 0));
@@ -255,7 +259,7 @@ fn a_preset_is_never_changed_and_starts_a_file_of_ones_own() {
     assert_eq!(Model::read(&directory.join("ours.toml")).unwrap().effects.len(), 1);
     let refused = refusal(directory, &[from("default").as_slice(), &["-o", "ours.toml"]].concat());
     assert!(refused.contains("already exists"), "{refused}");
-    // Another file than the model's own: the model stays as it was.
+    // Written to another file, so the model is unchanged.
     let before = fs::read(directory.join("ours.toml")).unwrap();
     stdout(directory, &[from("ours.toml").as_slice(), &["-o", "next.toml"]].concat());
     assert_eq!(fs::read(directory.join("ours.toml")).unwrap(), before);
@@ -296,7 +300,7 @@ fn what_speaks_against_an_effect_is_said_and_nothing_is_written_without_force() 
     assert!(!json["concerns"].as_array().unwrap().is_empty());
     assert!(fs::read_to_string(directory.join("ours.toml")).unwrap().starts_with("# ours\n\n[[effect]]\n"));
 
-    // Two revisions with one number: both rows are named, the file stays.
+    // Two revisions with the same number: both rows are named, and the file is unchanged.
     let clash = "[[revision]]\nnumber = 3\n[[revision]]\nnumber = 3\n";
     fs::write(directory.join("ours.toml"), clash).unwrap();
     let refused = refusal(directory, &ADD);

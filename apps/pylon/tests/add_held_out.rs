@@ -1,8 +1,8 @@
-//! What `pylon add` makes of a held-out flight, over many simulated flights: a true effect passes even where
-//! it is as small as the noise, and one that does not act there is refused at the rate that the verdict
+//! The verdict of `pylon add` on a held-out flight, over many simulated flights: a true effect passes even if
+//! it is as small as the noise, and an effect that does not act there is refused at the rate that the verdict
 //! states.
 //!
-//! `cargo test -p pylon --test add_held_out -- --nocapture` prints what was found.
+//! `cargo test -p pylon --test add_held_out -- --nocapture` prints the results.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::path::Path;
@@ -20,9 +20,9 @@ use statrs::distribution::{ContinuousCDF as _, Normal};
 use time::{Date, Month};
 
 const SEEDS: u64 = 40;
-/// How the effect acts on the held-out flight: as on the learning flight, not at all, the other way round.
+/// How the effect acts on the held-out flight: as on the learning flight, not at all, with the opposite sign.
 const ACTS: [f64; 3] = [1.0, 0.0, -1.0];
-/// As the simulator calls them, and as the core does.
+/// The simulator's id and the core's.
 const EFFECTS: [(scenario::EffectId, EffectId); 3] = [
     (scenario::EffectId::BaroDynamicPressure, EffectId::BaroDynamicPressure),
     (scenario::EffectId::BaroLag, EffectId::BaroLag),
@@ -37,7 +37,7 @@ fn flight(injected: Option<(scenario::EffectId, f64)>, seed: u64) -> Flight {
         .map(|(id, coefficient)| scenario::Effect {
             id,
             coefficient,
-            // What is integrated starts at launch.
+            // Integrated effects start at launch.
             phase: if id.name().starts_with("imu") {
                 scenario::InjectionPhase::Free
             } else {
@@ -62,7 +62,7 @@ fn added(effect: EffectId, learning: &Flight, held_out: Option<&Flight>) -> Addi
     add(&request, &mut || ()).unwrap()
 }
 
-/// The coefficient of which the effect is, rms in free flight, as large as the sensor's error without it.
+/// The coefficient at which the effect's rms in free flight equals the sensor's error without it.
 fn coefficient_of_the_noise(injected: scenario::EffectId, effect: EffectId) -> f64 {
     let (clean, dirty) = (flight(None, 1), flight(Some((injected, 1e-3)), 1));
     let name = if effect.name().starts_with("imu") { "imu_slave" } else { "baro" };
@@ -89,13 +89,13 @@ fn coefficient_of_the_noise(injected: scenario::EffectId, effect: EffectId) -> f
     1e-3 * noise_m / shift_m
 }
 
-/// The same of every effect, once for both tests.
+/// These coefficients for all effects, computed once for both tests.
 fn coefficients_of_the_noise() -> [f64; 3] {
     static UNITS: OnceLock<[f64; 3]> = OnceLock::new();
     *UNITS.get_or_init(|| EFFECTS.map(|(injected, effect)| coefficient_of_the_noise(injected, effect)))
 }
 
-/// The chance of a refusal of an effect that acts with so many times the learned coefficient.
+/// The probability that an effect is refused that acts with this multiple of the learned coefficient.
 fn stated_rate(verdict: &HeldOutVerdict, times: f64) -> f64 {
     let as_learned = verdict.gain_as_learned / verdict.gain_sigma;
     Normal::new(0.0, 1.0).unwrap().cdf(-1.645 - (2.0 * times - 1.0) * as_learned)
@@ -141,20 +141,20 @@ fn a_small_true_effect_passes_and_an_absent_or_opposite_one_is_refused_at_the_st
          stated {:.1}, {:.1}, {:.1}; mean square of the deviates {square:.2}",
         refused[0], refused[1], refused[2], expected[0].0, expected[1].0, expected[2].0
     );
-    // 95 % of the true ones.
+    // At least 95 % of the true effects pass.
     assert!(refused[0] * 20 <= SEEDS as u32, "{refused:?}");
     for (case, (mean, variance)) in expected.into_iter().enumerate().skip(1) {
-        // Fewer than stated by four binomial sigmas, or one flight, would be a test that has less power than
-        // it says.
+        // If fewer are refused than stated, by four binomial sigmas or one flight, the test has less power
+        // than it states.
         let least = mean - (4.0 * f64::sqrt(variance)).max(1.0);
         assert!(f64::from(refused[case]) >= least, "{case}: {refused:?}, stated {mean}");
     }
-    // Chi-squared of 120 over 120 is below 1.54 in 99.99 %; the interval takes more than the noise for
-    // chance, so it is rather below one.
+    // Chi-squared of 120 over 120 is below 1.54 in 99.99 %. The interval attributes more than the noise to
+    // chance, so it tends to be below one.
     assert!(square < 1.54, "{square}");
 }
 
-/// Without held-out flights the flight's own stretches decide: true effects pass.
+/// Without held-out flights, stretches of the learning flight decide: true effects pass.
 #[test]
 fn stretches_of_the_learning_flight_pass_a_true_effect() {
     let units = coefficients_of_the_noise();
@@ -168,6 +168,7 @@ fn stretches_of_the_learning_flight_pass_a_true_effect() {
     };
     let refused = (0..20_u64).into_par_iter().filter(|seed| is_refused(*seed)).count();
     println!("stretches refused {refused} of 20 true effects");
-    // Each by less than 5 %: three or more in 7.5 %, four or more in 1.6 %, five or more in 0.26 %.
+    // Each is refused with less than 5 %: three or more in 7.5 %, four or more in 1.6 %, five or more in 0.26
+    // %.
     assert!(refused <= 4, "{refused}");
 }

@@ -1,5 +1,4 @@
-//! What `pylon add` refuses, what it writes all the same when told to, and what happens to the model file
-//! then.
+//! What `pylon add` refuses, what it writes anyway with `--force`, and what happens to the model file.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
@@ -15,7 +14,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 const PLAN: &str = include_str!("../../../flights/clean.toml");
-/// The model of every test, with comments that must stay.
+/// The model of every test, with comments that must be kept.
 const MODEL: &str = "# ours\nsettling_s = 10   # seconds\n";
 
 /// A folder with `ours.toml` and flights of these names, effects and seeds.
@@ -34,7 +33,7 @@ fn effect(id: &str, coefficient: f64, more: &str) -> String {
     format!("[[effect]]\nid = \"{id}\"\ncoefficient = {coefficient}\n{more}\n")
 }
 
-/// Leaves columns out of a flight.
+/// Removes columns from a flight.
 fn without_columns(file: &Path, names: &[&str]) {
     let text = fs::read_to_string(file).unwrap();
     let mut dropped: Vec<usize> = Vec::new();
@@ -69,7 +68,8 @@ fn model_text(directory: &Path) -> String {
 fn an_effect_that_others_look_like_is_named_with_them_and_needs_force() {
     let folder = folder(&[("a.csv", &effect("baro.acceleration", 8.0, ""), 1)]);
     let directory = folder.path();
-    // By lift, load factor is angle of attack times dynamic pressure: without the angle nobody can tell.
+    // Lift makes the load factor proportional to angle of attack times dynamic pressure: without the angle
+    // the two effects cannot be distinguished.
     without_columns(&directory.join("a.csv"), &["aoa_rad"]);
     let names = files(directory);
     let refused = refusal(directory, &add("baro.acceleration", &[]));
@@ -90,7 +90,7 @@ fn an_effect_that_another_flight_contradicts_needs_force() {
         ("a.csv", &effect("baro.dynamic_pressure", 0.12, ""), 1),
         ("none.csv", "", 2),
         ("opposite.csv", &effect("baro.dynamic_pressure", -0.12, ""), 3),
-        // Another cause: the weather of one day.
+        // The true cause is another one: the weather of one day.
         ("weather.csv", &effect("baro.drift", 0.2, ""), 4),
     ]);
     let directory = folder.path();
@@ -109,7 +109,7 @@ fn an_effect_that_another_flight_contradicts_needs_force() {
     let verdict = &found["held_out_verdict"];
     assert_eq!((&verdict["is_worse"], &verdict["can_tell"]), (&Value::Bool(true), &Value::Bool(true)));
     assert!(verdict["gain"].as_f64().unwrap() < -1.645 * verdict["gain_sigma"].as_f64().unwrap());
-    // The raw errors are still said.
+    // The raw errors are still reported.
     assert!(found["rms_after_m"].as_f64().unwrap() > found["rms_before_m"].as_f64().unwrap(), "{found}");
     let said = stdout(directory, &forced);
     for words in ["written despite this (--force)", "raw rms", "worse with the effect, beyond chance"] {
@@ -135,14 +135,15 @@ fn a_window_calibrates_a_flight_that_does_not_say_when_it_was_launched() {
     assert!(refused.contains("a.csv: "), "{refused}");
 }
 
-/// Whatever can be diagnosed can be learned from; the mission is flown over what it can calibrate on.
+/// Any flight that can be diagnosed can be learned from; the mission is flown over the part that it can be
+/// calibrated on.
 #[test]
 fn a_flight_with_nothing_to_calibrate_on_is_learned_from_all_the_same() {
     let effects = effect("baro.dynamic_pressure", 0.12, "");
     let folder = folder(&[("a.csv", &effects, 1), ("b.csv", &effects, 2)]);
     let directory = folder.path();
     for name in ["a.csv", "b.csv"] {
-        // From the first dive on, which is nowhere quiet.
+        // From the first dive on, where nothing is quiet.
         let text = fs::read_to_string(directory.join(name)).unwrap();
         let mut is_named = false;
         let kept = text.lines().filter(|line| {
@@ -229,7 +230,8 @@ fn models_with_inline_arrays_keep_their_form() {
     assert_eq!((model.effects.len(), model.revisions.len()), (2, 1));
 }
 
-/// Who has the file open, or reads it at any moment, sees the old model or the new one, whole.
+/// A program that has the file open, or reads it at any moment, sees either the old model or the new one,
+/// complete.
 #[test]
 fn a_model_is_replaced_and_never_rewritten() {
     let folder = folder(&[("a.csv", &effect("baro.dynamic_pressure", 0.12, ""), 1)]);

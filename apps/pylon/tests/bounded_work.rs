@@ -1,4 +1,4 @@
-//! Files that ask for more work or memory than they are worth: a few bytes must not take a machine down.
+//! Files that ask for excessive work or memory: a few bytes must not take down a machine.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
@@ -11,10 +11,10 @@ use std::process::{Command, Output};
 
 use common::Recipe;
 
-/// Address space that the program gets, kilobytes. It reserves some tens of megabytes a thread.
+/// Address space of the program, kilobytes. It reserves some tens of megabytes per thread.
 const SPACE_KB: u32 = 2_000_000;
 
-/// Runs the program with that much address space.
+/// Runs the program with this address space.
 fn run(directory: &Path, arguments: &[&str]) -> Output {
     let script = format!("ulimit -v {SPACE_KB} && exec \"$0\" \"$@\"");
     let mut command = Command::new("sh");
@@ -22,7 +22,7 @@ fn run(directory: &Path, arguments: &[&str]) -> Output {
     command.output().unwrap()
 }
 
-/// Runs it; it must end by itself, well or with one line that says why not.
+/// Runs the program; it must end by itself, with success or with one line that gives the reason.
 fn ends(directory: &Path, arguments: &[&str]) -> String {
     let output = run(directory, arguments);
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -57,7 +57,7 @@ fn a_million_columns_are_bounded_work() {
         file.write_all(&[b','; 1_000_000]).unwrap();
     }
     file.into_inner().unwrap();
-    // The others read it as these do, and then know of no such column.
+    // The other commands read the file in the same way.
     for command in [EVERY[0], EVERY[3]] {
         ends(directory.path(), &[command, &["wide.csv"]].concat());
     }
@@ -69,7 +69,7 @@ fn a_line_of_a_hundred_megabytes_is_bounded_work() {
     let mut text = b"# pylon-flight: 1\ntime_s,gps_alt_m,baro_alt_m\n0,100,".to_vec();
     text.resize(100_000_000, b'1');
     fs::write(directory.path().join("long.csv"), &text).unwrap();
-    // A log of nobody's is searched for a table, too.
+    // A file of unknown format is searched for a table, too.
     fs::write(directory.path().join("long.txt"), &text[40..]).unwrap();
     for file in ["long.csv", "long.txt"] {
         ends(directory.path(), &["open", file]);

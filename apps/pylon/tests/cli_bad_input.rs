@@ -1,4 +1,4 @@
-//! Every kind of bad input, on the command line: a clear one-line refusal, or a named degraded state.
+//! Every kind of bad input on the command line: a clear one-line refusal, or a named degraded state.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
 mod common;
@@ -11,7 +11,7 @@ use common::program::{compared, files, refusal, run, stdout};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A made flight of 60 s captive and 10 s free, its cells changed.
+/// A generated flight of 60 s captive and 10 s free, with modified cells.
 fn flight_with(change: impl Fn(&mut Vec<Vec<String>>)) -> TempDir {
     made(&Recipe { captive_s: 60.0, free_s: 10.0, ..Recipe::default() }, change)
 }
@@ -32,7 +32,7 @@ fn made(recipe: &Recipe, change: impl Fn(&mut Vec<Vec<String>>)) -> TempDir {
     directory
 }
 
-/// Position of a column.
+/// Index of a column.
 fn column(rows: &[Vec<String>], name: &str) -> usize {
     rows[0].iter().position(|column| column == name).unwrap()
 }
@@ -114,7 +114,7 @@ fn a_sensor_that_sticks_is_said_so() {
         }
     }));
     let stuck = comparison["sensors"]["baro"]["readings"]["stuck"].as_u64().unwrap();
-    // All but the two seconds that it takes to tell.
+    // All but the two seconds that detection takes.
     assert!((1_600..1_750).contains(&stuck), "{stuck}");
     assert!(failed(&comparison, "sensors_alive") && warned(&comparison, "repeats itself"));
     assert!(warned(&comparison, "baro was not monitored"), "{}", comparison["warnings"]);
@@ -175,7 +175,7 @@ fn a_row_cut_in_its_middle_is_refused_with_its_place() {
     let directory = flight_with(|rows| rows[777].truncate(4));
     let line = refusal(directory.path(), &["compare", "made.csv"]);
     assert!(line.contains("made.csv: row 782: 4 cells, expected 10; the row is cut after column"), "{line}");
-    // A file whose end is missing: its last row is not a whole one.
+    // A file with a missing end: its last row is incomplete.
     let file = directory.path().join("made.csv");
     let directory_of_whole = flight_with(|_| {});
     let whole = fs::read_to_string(directory_of_whole.path().join("made.csv")).unwrap();
@@ -316,7 +316,7 @@ fn effects_that_can_not_be_or_say_nothing_are_told() {
     assert!(line.contains("m.toml") && line.contains("nearest: baro.dynamic_pressure"), "{line}");
     model("[[revision]]\nnumber = 3\n[[revision]]\nnumber = 3\n");
     assert!(refusal(path, &arguments).contains("revision 3 in row 4 clashes with the one in row 2"));
-    // Possible, but not in nature; and a column that the flight has not.
+    // Values that are possible but do not occur in nature, and a column that the flight lacks.
     model(
         "[[effect]]\nid = \"baro.lag\"\ncoefficient = 7\n[[effect]]\nid = \"baro.propwash\"\ncoefficient = 1\n",
     );
@@ -331,7 +331,7 @@ fn effects_that_can_not_be_or_say_nothing_are_told() {
     assert!(!warned(&comparison, "effect baro.lag"));
 }
 
-/// Runs that fail leave the directory, and the file that was to be replaced, as they were.
+/// Failed runs leave the directory, and the file that was to be replaced, unchanged.
 #[test]
 fn no_refused_command_leaves_anything_behind() {
     let directory = flight_with(|rows| rows[777].truncate(4));
@@ -395,12 +395,12 @@ fn an_open_quote_a_leaping_clock_utf_16_and_a_folder_that_is_not_are_said_as_suc
     assert!(said.ends_with("none/x.parquet: cannot be written: folder none does not exist\n"), "{said}");
 }
 
-/// A copy looks like the best of all barometers.
+/// A copy of the receiver's altitude looks like a perfect barometer.
 #[test]
 fn a_barometer_that_is_a_copy_of_the_receiver_is_said_before_everything_else() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
-    // An IGC file whose recorder put the receiver's altitude, 47 m lower, into the pressure's field.
+    // An IGC file whose recorder put the receiver's altitude, 47 m lower, into the pressure field.
     let fixes: String = (0..1_200)
         .map(|second| {
             let up = (second % 700).min(700 - second % 700);
@@ -422,7 +422,7 @@ fn a_barometer_that_is_a_copy_of_the_receiver_is_said_before_everything_else() {
     assert_eq!(files(path), ["copy.igc"]);
 }
 
-/// Logs that are known for what they are, and have nothing to compare with.
+/// Logs whose format is recognised, but which contain nothing to compare with.
 #[test]
 fn logs_of_computers_without_a_receivers_altitude_are_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -446,7 +446,7 @@ fn logs_of_computers_without_a_receivers_altitude_are_named() {
     assert_eq!(files(path), ["flight.cfl", "raven.csv"]);
 }
 
-/// A MATLAB file of either version, with what to do instead.
+/// A MATLAB file of either version is refused with advice on what to do instead.
 #[test]
 fn a_matlab_file_is_named_for_what_it_is() {
     let directory = tempfile::tempdir().unwrap();
@@ -464,7 +464,7 @@ fn a_matlab_file_is_named_for_what_it_is() {
     assert_eq!(files(path), ["log.mat"]);
 }
 
-/// Never `baro.scale = -1`, which is what a barometer that does not move looks like.
+/// Never `baro.scale = -1`, which fits a barometer that does not move.
 #[test]
 fn a_barometer_that_is_stuck_is_said_and_nothing_is_diagnosed_by_it() {
     let directory = tempfile::tempdir().unwrap();
@@ -490,7 +490,7 @@ fn a_barometer_that_is_stuck_is_said_and_nothing_is_diagnosed_by_it() {
             "{said}"
         );
     }
-    // Another altitude is diagnosed without it.
+    // Another altitude sensor is diagnosed without the barometer.
     fs::write(path.join("other.csv"), format!("{head},imu_slave_alt_m\n{rows}")).unwrap();
     let text = stdout(path, &["diagnose", "other.csv"]);
     assert!(text.contains("imu_slave") && !text.contains("baro.scale"), "{text}");

@@ -1,4 +1,4 @@
-//! Several flights on the command line, some of which are of no use.
+//! Several flights on the command line, some of which cannot be used.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
@@ -38,7 +38,7 @@ fn a_flight_that_cannot_be_read_is_skipped_and_named_and_strict_refuses_it() {
         let strict = pylon(directory.path(), &[&all[..], &["--strict"]].concat());
         assert_eq!(strict.status.code(), Some(2), "{command}");
         assert!(errors(&strict).starts_with("error: rubbish.bin: "), "{}", errors(&strict));
-        // Nothing is left of several that are all of no use, or of one.
+        // Nothing is left if none of several flights can be used, or a single one cannot.
         let none = pylon(directory.path(), &[&[command, "rubbish.bin", "nothing.ulg"], more].concat());
         assert_eq!(none.status.code(), Some(2), "{command}");
         let one = pylon(directory.path(), &[&[command, "rubbish.bin"], more].concat());
@@ -69,7 +69,7 @@ fn add_learns_from_what_is_of_use_in_a_folder_and_strict_refuses() {
     assert!(output.status.success(), "{said}");
     assert!(said.contains("skipped 1 of 2 flights (--strict fails instead):\n  logs/cut.csv: "), "{said}");
     assert!(fs::read_to_string(path.join("ours.toml")).unwrap().contains("baro.lag"));
-    // A log without the effect's own signal is of no use for it either; held-out ones are treated alike.
+    // A log without the effect's own signal cannot be used either; held-out ones are treated alike.
     fs::rename(path.join("logs/cut.csv"), path.join("cut.csv")).unwrap();
     let text = fs::read_to_string(path.join("logs/made.csv")).unwrap();
     let bare: String = text
@@ -113,7 +113,7 @@ fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
             fs::write(place, "<p>not a flight</p>").unwrap();
         }
     }
-    // A log that is cut off is a log.
+    // A truncated log is still a log.
     fs::write(logs.join("cut.csv"), "# pylon-flight: 1\n").unwrap();
     let left_out = "note: logs: 3 logs; 2 other files were left out: SOURCES.md, page.html\n";
     for (command, more) in [
@@ -158,7 +158,7 @@ fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
         fs::write(directory.path().join("m.toml"), "").unwrap();
         let output = pylon(directory.path(), arguments);
         if message.is_empty() {
-            // A hidden folder that is named is meant.
+            // A hidden folder that is named explicitly is used.
             assert!(output.status.success(), "{}", errors(&output));
         } else {
             assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -171,7 +171,8 @@ fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
     }
 }
 
-/// Four flights with a lag of 0.8 s and one with three times that, of one vehicle; one flight of another.
+/// Four flights of one vehicle with a lag of 0.8 s and one with three times that, and one flight of another
+/// vehicle.
 fn fleet(directory: &Path) {
     let lags: [fn(f64, f64) -> f64; 2] = [|_, climb| -0.8 * climb, |_, climb| -2.4 * climb];
     for (name, seed, lag, vehicle) in [
@@ -211,7 +212,7 @@ fn each_flight_and_each_vehicle_has_its_coefficients_and_the_odd_flight_is_named
     assert!((lag["mean"].as_f64().unwrap() - 0.8).abs() < 0.05, "{lag}");
     assert_eq!(lag["outliers"].as_array().unwrap().len(), 1, "{lag}");
     assert_eq!(lag["outliers"][0]["file"], "odd.csv");
-    // Of one vehicle's single flight nobody knows whether it is odd.
+    // With a single flight of a vehicle there is nothing to show whether it is odd.
     for effect in vehicles[0]["effects"].as_array().unwrap() {
         assert_eq!(effect["outliers"].as_array().unwrap().len(), 0, "{effect}");
     }
@@ -245,7 +246,7 @@ fn a_report_of_many_flights_opens_on_the_verdict_and_draws_the_odd_ones_only() {
     assert_eq!(drawn.len(), 2, "{drawn:?}");
     assert!(drawn.contains(&5), "{drawn:?}");
     assert!(page.contains("4 more flights, in words"));
-    // What is not drawn has no data in the page either.
+    // A flight without diagrams has no data on the page either.
     let without = (1..=6).find(|number| !drawn.contains(number)).unwrap();
     assert!(!page.contains(&format!("\"flight-{without}-")), "{without}");
 }

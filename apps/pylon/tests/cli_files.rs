@@ -1,4 +1,4 @@
-//! No command destroys what it reads, or what another one has just written.
+//! No command destroys its input, or what another command has just written.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
 mod common;
@@ -11,8 +11,8 @@ use common::Recipe;
 use common::program::{files, pylon, refusal, stdout};
 use tempfile::TempDir;
 
-/// A directory with a made flight, a scenario, a model and an IGC log, each with a second name of another
-/// kind.
+/// A directory with a generated flight, a scenario, a model and an IGC log, each with a second name of
+/// another kind.
 fn directory() -> TempDir {
     let directory = tempfile::tempdir().unwrap();
     let at = |name: &str| directory.path().join(name);
@@ -28,7 +28,7 @@ fn directory() -> TempDir {
     directory
 }
 
-/// The last 40 s in climbs and dives, so that a lag shows.
+/// The last 40 s climb and dive, so that a lag shows.
 fn climbing() -> Recipe {
     Recipe {
         climb_mps: |after_s| if after_s < 0.0 { 0.0 } else { 12.0 * (after_s * 0.5).sin() },
@@ -36,7 +36,7 @@ fn climbing() -> Recipe {
     }
 }
 
-/// Every spelling under which a file of the directory can be named.
+/// Every way to spell the path of a file in the directory.
 fn spellings(directory: &Path, name: &str) -> Vec<String> {
     let names = [format!("soft-{name}"), format!("hard-{name}")];
     if !directory.join(&names[0]).exists() {
@@ -106,8 +106,8 @@ fn of_two_additions_at_once_none_is_lost() {
     assert_eq!(model.matches("[[revision]]").count(), 2, "{model}");
 }
 
-/// The truth is written first: to a pipe that nobody reads, where the program waits until it is killed. Were
-/// the flight written first, it would be there then, without its truth.
+/// The truth is written first: to a pipe that nothing reads, on which the program waits until it is killed.
+/// If the flight were written first, it would be left behind without its truth.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_program_that_is_killed_leaves_no_flight_without_its_truth() {
@@ -118,8 +118,8 @@ fn a_program_that_is_killed_leaves_no_flight_without_its_truth() {
     let mut command = pylon(directory.path());
     command.args(["simulate", "scenario.toml", "-o", "flight.csv", "--truth", "truth.toml"]);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    // It sleeps for good once it waits for the pipe's reader: the kernel's name of where it sleeps says so.
-    // Where that is hidden, two seconds without a tick of processor time do.
+    // It sleeps forever once it waits for the pipe's reader, which shows in the kernel's name of where it
+    // sleeps. If that is hidden, two seconds without processor time show it.
     let of_process = |file: &str| fs::read_to_string(format!("/proc/{}/{file}", child.id())).unwrap();
     let ticks = || of_process("stat").rsplit(')').next().unwrap().split(' ').nth(12).map(str::to_owned);
     let mut quiet = 0;
@@ -165,7 +165,7 @@ fn a_model_keeps_its_mode_and_a_read_only_one_its_text() {
     assert_eq!(fs::metadata(&model).unwrap().permissions().mode() & 0o777, 0o600);
 }
 
-/// Only a terminal is harmed, but what is piped into a file is looked at on one later.
+/// Escape sequences harm only a terminal, but what is piped into a file is later viewed on one.
 #[test]
 fn escape_sequences_in_a_header_are_not_passed_on() {
     let directory = directory();

@@ -12,7 +12,7 @@ use serde_json::Value;
 #[test]
 fn bits_that_are_the_same_are_status_0_and_others_status_1() {
     let directory = tempfile::tempdir().unwrap();
-    // Without inertial samples it takes 3 s of free flight to decide that there was a launch.
+    // Without inertial samples it takes 3 s of free flight to decide that a launch happened.
     Recipe { captive_s: 14.0, free_s: 8.0, ..Recipe::default() }.write(directory.path());
     let text = stdout(directory.path(), &["fly", "made.csv"]);
     assert!(

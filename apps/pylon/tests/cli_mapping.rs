@@ -9,7 +9,7 @@ use std::path::Path;
 use common::Recipe;
 use common::program::{files, refusal, run, stdout};
 
-/// A made flight as somebody's own table: other names, other units, semicolons.
+/// A generated flight as a user's own table: other names, other units, semicolons.
 fn write_table(directory: &Path) {
     Recipe { captive_s: 60.0, free_s: 30.0, climb_mps: |_| -8.0, ..Recipe::default() }.write(directory);
     let text = fs::read_to_string(directory.join("made.csv")).unwrap();
@@ -51,7 +51,7 @@ fn a_table_is_guessed_corrected_imported_and_flown() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
     write_table(path);
-    // Every command says what to do about it, in commands that can be pasted.
+    // Every command reports what to do about it, with commands that can be pasted.
     for command in [&["import", "log.csv", "-o", "flight.csv"][..], &["compare", "log.csv"]] {
         let said = refusal(path, command);
         assert!(said.contains("'pylon import log.csv --guess -o mapping.toml' drafts"), "{said}");
@@ -62,7 +62,7 @@ fn a_table_is_guessed_corrected_imported_and_flown() {
     assert!(said.contains("DOUBTFUL: 'Baro altitude'"), "{said}");
     assert!(said.ends_with("then 'pylon import log.csv --mapping mapping.toml -o flight.csv'\n"), "{said}");
     assert_eq!(files(path), ["log.csv", "mapping.toml"]);
-    // A guess is never lost to another one, and is printed where no file is given.
+    // A draft is never overwritten by another, and is printed if no file is given.
     let again = refusal(path, &["import", "log.csv", "--guess", "-o", "mapping.toml"]);
     assert!(again.contains("mapping.toml: already exists and would be overwritten"), "{again}");
     let draft = fs::read_to_string(path.join("mapping.toml")).unwrap();
@@ -112,7 +112,8 @@ fn what_is_wrong_is_said_in_one_line_and_nothing_is_written() {
     assert_eq!(files(path), before);
 }
 
-/// A ten-millionth of a degree is a centimetre, and what receivers say; f32 would make a metre of it.
+/// A ten-millionth of a degree is a centimetre, and the resolution of receivers; f32 would turn it into a
+/// metre.
 #[test]
 fn every_digit_of_a_position_comes_through_import_csv_and_exports() {
     let directory = tempfile::tempdir().unwrap();
@@ -143,7 +144,7 @@ fn every_digit_of_a_position_comes_through_import_csv_and_exports() {
         .map(|(latitude, longitude)| ((*latitude).to_owned(), (*longitude).to_owned()))
         .collect();
     assert_eq!(found("flight.csv"), expected);
-    // Every export reads the flight's CSV; the two that can be imported again are written as CSV once more.
+    // Every export reads the flight's CSV; the two formats that can be imported are written as CSV again.
     stdout(path, &["export", "flight.csv", "--format", "plain-csv", "-o", "plain.csv"]);
     assert_eq!(found("plain.csv"), expected);
     for (format, file, again) in

@@ -1,4 +1,4 @@
-//! `pylon open`, and what every command says of a log with ground time in it.
+//! `pylon open`, and what every command reports for a log with ground time in it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
@@ -11,8 +11,8 @@ use common::program::{refusal, stdout};
 use serde_json::Value;
 
 /// Writes a glider's log without a launch column: two minutes on the ground, a tow and a glide, ten minutes
-/// on the ground after the landing. The barometer is 40 m off, and some minutes after the landing, as the
-/// cockpit is closed, 70 m.
+/// on the ground after landing. The barometer is off by 40 m, and by 70 m from some minutes after landing,
+/// when the cockpit is closed.
 fn glider(file: &Path) {
     let mut text =
         "# pylon-flight: 1\n# vehicle: LS 6\ntime_s,gps_alt_m,gps_vn_mps,gps_ve_mps,baro_alt_m\n".to_owned();
@@ -52,7 +52,7 @@ fn a_log_explains_itself_and_its_advice_can_be_pasted() {
     assert!(!text.contains("captive") && !text.contains("launch"), "{text}");
     let next = text.split("\nNext\n").nth(1).unwrap();
     let commands: Vec<&str> = next.lines().filter_map(|line| line.trim().strip_prefix("pylon ")).collect();
-    // A flight's CSV is none that `import` would take.
+    // A flight's CSV is not suggested for `import`.
     assert_eq!(commands.len(), 3, "{text}");
     for command in commands {
         let arguments: Vec<String> = command
@@ -73,7 +73,7 @@ fn a_log_explains_itself_and_its_advice_can_be_pasted() {
     assert_eq!(found["sensors"][2]["state"], "present");
 }
 
-/// The barometer's leap after the landing is in no result.
+/// The barometer's jump after landing affects no result.
 #[test]
 fn every_command_leaves_out_what_follows_the_landing_and_says_so() {
     let directory = tempfile::tempdir().unwrap();
@@ -184,7 +184,7 @@ fn altitudes_of_two_datums_are_refused_until_one_is_converted_by_name() {
     assert!(said.contains("it is a flight already"), "{said}");
 }
 
-/// Five hours without a row: neither a landing nor a take-off is made up for them.
+/// Five hours without a row: neither a landing nor a take-off is invented for them.
 #[test]
 fn a_flight_that_a_gap_parts_has_not_landed_in_it() {
     let directory = tempfile::tempdir().unwrap();

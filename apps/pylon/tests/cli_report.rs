@@ -1,5 +1,5 @@
-//! The page of `pylon report`: what is in it, and that it needs nothing else. That it draws what it should is
-//! seen in a browser (host-tests/tests/report_in_browser.rs).
+//! The page of `pylon report`: its content, and that it needs nothing else. A test in a browser checks that
+//! it draws correctly (host-tests/tests/report_in_browser.rs).
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
 mod common;
@@ -14,7 +14,7 @@ use pylon::flight;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// A flight whose baro reads 1.5 s late in a dive.
+/// A flight whose barometer lags by 1.5 s in a dive.
 fn late_baro() -> Recipe {
     Recipe { baro_error: |_, climb_mps| -1.5 * climb_mps, climb_mps: dive_mps, ..Recipe::default() }
 }
@@ -33,7 +33,7 @@ fn page(directory: &Path, arguments: &[&str]) -> String {
     fs::read_to_string(directory.join("report.html")).unwrap()
 }
 
-/// The diagrams' data, by the name of their place in the page.
+/// The diagrams' data, by the name of their place on the page.
 fn charts(page: &str) -> Value {
     let start = "<script id=\"chart-data\" type=\"application/json\">";
     let (_, rest) = page.split_once(start).unwrap();
@@ -94,7 +94,7 @@ fn the_diagrams_show_what_the_comparison_says() {
     let end_m = baro["moving_average_end_m"].as_f64().unwrap();
     assert!((average.last().unwrap() - end_m).abs() < 0.1, "{:?} {end_m}", average.last());
 
-    // 45 m of error in the dive, on a noise of 0.6 m.
+    // 45 m of error in the dive, with noise of 0.6 m.
     let difference = &charts["flight-1-difference-baro"];
     let highest = numbers(&difference["bands"][0]["to"]).into_iter().fold(f64::NEG_INFINITY, f64::max);
     assert!((45.0..50.0).contains(&highest), "{highest}");
@@ -102,13 +102,13 @@ fn the_diagrams_show_what_the_comparison_says() {
     let (from, to) = (shade["from"].as_f64().unwrap(), shade["to"].as_f64().unwrap());
     assert!(from >= 9.0 && to <= 26.0 && to > from, "{shade}");
 
-    // Measured minus modelled is the error.
+    // The error is measured minus modelled.
     let altitude = &charts["flight-1-altitude-baro"];
     let line = |index: usize| numbers(&altitude["lines"][index]["y"]);
     let largest = line(0).iter().zip(line(1)).map(|(a, b)| a - b).fold(f64::NEG_INFINITY, f64::max);
     assert!((largest - highest).abs() < 1.0, "{largest} {highest}");
 
-    // The climb rate says more of the error than the airspeed, which does not change at all.
+    // The climb rate explains more of the error than the airspeed, which is constant.
     let first = charts["flight-1-signal-baro-0"]["x_name"].as_str().unwrap();
     assert_eq!(first, "climb rate, m/s");
     assert!(page.contains("to tell: airspeed, airspeed squared / 2 g"), "airspeed is constant");
@@ -116,7 +116,7 @@ fn the_diagrams_show_what_the_comparison_says() {
     assert!(page.contains("untrustworthy"));
 }
 
-/// A page is passed on: it says what files were called, and nothing of the folders they lay in.
+/// A page may be shared: it contains the files' names, but nothing of their folders.
 #[test]
 fn a_page_has_no_path_of_its_author() {
     let directory = written(&late_baro());

@@ -1,4 +1,4 @@
-//! `pylon studio`: who is served, what, and what may be written.
+//! `pylon studio`: which requests are served, with what, and what may be written.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test")]
 
@@ -17,7 +17,7 @@ use tempfile::TempDir;
 const PAGE: &str = "<!doctype html>\n<head>\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
     connect-src 'none'\"></head><body>the page</body>\n";
 
-/// A studio that runs until it is dropped.
+/// A studio that runs until dropped.
 struct Studio {
     child: Child,
     /// 127.0.0.1:PORT
@@ -57,7 +57,7 @@ impl Studio {
         Self { child, host: host.to_owned(), token: token.to_owned() }
     }
 
-    /// A request as it is on the line: method and path, headers, body.
+    /// Sends a request as raw text: method and path, headers, body.
     fn raw(&self, request: &str, headers: &[&str], body: &str) -> Answer {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         let headers: String = headers.iter().map(|header| format!("{header}\r\n")).collect();
@@ -77,7 +77,7 @@ impl Studio {
         Answer { status, head: head.to_owned(), body: body.to_owned() }
     }
 
-    /// A request as the page makes it.
+    /// Sends a request as the page does.
     fn ask(&self, request: &str, headers: &[&str], body: &str) -> Answer {
         let own = [
             format!("Host: {}", self.host),
@@ -196,7 +196,7 @@ fn a_named_flight_flies_in_the_emulator_with_the_pages_model_and_times() {
     let folder = folder();
     Recipe { captive_s: 14.0, free_s: 8.0, ..Recipe::default() }.write(folder.path());
     let studio = Studio::start(folder.path(), &["made.csv"]);
-    // Another settling time, so that what is flown is this model and no preset.
+    // Another settling time, so that the flown model is this one and not a preset.
     let model = "settling_s = 4.0\n";
     let flown = |query: &str| {
         let answer = studio.ask(&format!("POST /api/fly/0{query}"), &[], model);
@@ -239,7 +239,7 @@ fn two_studios_on_one_model_lose_no_revision() {
     );
     assert_eq!(studios[0].ask("PUT /api/model", &[], "# unasked\n").status, 428);
 
-    // Both write at once, many times each, as often as it takes: every line of either is there in the end.
+    // Both write at the same time, many times each: in the end every line of both is there.
     const LINES: usize = 8;
     std::thread::scope(|scope| {
         for (name, studio) in ["a", "b"].iter().zip(&studios) {

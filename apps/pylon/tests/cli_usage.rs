@@ -129,7 +129,7 @@ fn plots_are_drawn_into_a_new_directory_and_stay_small() {
     }
     let last = fs::read_to_string(pictures.join(names[2])).unwrap();
     assert!(last.contains("time after launch, s") && last.contains("error of baro, m"));
-    // No free flight: no Figure 4, and the others all the same.
+    // No free flight: no Figure 4, but all the others.
     Recipe { free_s: 0.0, ..Recipe::default() }.write(path);
     stdout(path, &["compare", "made.csv", "--plots", "captive"]);
     assert_eq!(files(&path.join("captive")), &names[..2]);

@@ -1,4 +1,4 @@
-//! `compare` on made flights whose errors are known.
+//! `compare` on generated flights whose errors are known.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
@@ -29,7 +29,7 @@ fn biases_and_spreads_are_those_put_in() {
     let comparison = compared(&recipe);
     for (index, name) in ["imu_master", "imu_slave", "baro"].into_iter().enumerate() {
         let sensor = &comparison.sensors[name];
-        // The held fix adds its own noise; every block of ten readings shares one.
+        // The held fix adds its own noise, which every block of ten readings shares.
         let readings = 70.0 * ROWS_PER_S;
         let spread = recipe.white_m[index].hypot(recipe.gps_m);
         let bias_sigma = (recipe.white_m[index].powi(2) / readings
@@ -39,7 +39,7 @@ fn biases_and_spreads_are_those_put_in() {
         assert!((bias - recipe.biases_m[index]).abs() < 4.0 * bias_sigma, "{name}: {bias} +- {bias_sigma}");
         let mean_error = sensor.captive.bias_standard_error_m.unwrap();
         assert!((mean_error / bias_sigma - 1.0).abs() < 0.35, "{name}: {mean_error} {bias_sigma}");
-        // Spread: the fix's part has a tenth of the independent values.
+        // The fix's part of the spread has a tenth of the independent values.
         let spread_sigma = 2.0 * spread / (2.0 * readings / ROWS_PER_FIX as f64).sqrt();
         for got in [sensor.residual_sigma_m, sensor.captive.spread_m, sensor.captive_rms_m] {
             assert!((got.unwrap() - spread).abs() < 4.0 * spread_sigma, "{name}: {got:?} {spread}");
@@ -64,8 +64,8 @@ fn correlation_and_whiteness_are_those_put_in() {
     };
     let comparison = compared(&recipe);
     let time_s = |name: &str| comparison.sensors[name].captive.correlation_time_s.unwrap();
-    // A first-order process of 1 s has an integrated time of 2 s; 1,200 s know it to
-    // sqrt(2 (2 * 5 * 2 + ...) / 1200) = 18 %. White noise: one reading.
+    // A first-order process of 1 s has an integrated time of 2 s; 1,200 s determine it to sqrt(2 (2 * 5 * 2 +
+    // ...) / 1200) = 18 %. White noise: one reading.
     assert!((time_s("baro") / 2.0 - 1.0).abs() < 4.0 * 0.18, "{}", time_s("baro"));
     assert!((time_s("imu_slave") * ROWS_PER_S - 1.0).abs() < 0.3, "{}", time_s("imu_slave"));
     let white = |name: &str| comparison.sensors[name].captive.error_whiteness.unwrap();
@@ -97,8 +97,8 @@ fn a_step_is_flagged_when_it_happens_and_measured() {
     let sigma = recipe.white_m[2].hypot(recipe.gps_m);
     assert!((bound - 4.0 * sigma).abs() < 0.1 * bound, "{bound}");
     assert!((baro.doubtful_after_s.unwrap() - 30.0).abs() < 1e-6, "{:?}", baro.doubtful_after_s);
-    // The average passes the bound after this part of the 2 s; it is made of 32 bins, and noisy. But the
-    // error must have lasted.
+    // The average passes the alarm limit after this part of the 2 s; it is made of 32 bins, and noisy. The
+    // error must also have lasted for the persistence.
     let delay = (2.0 * bound / 10.0).max(f64::from(Model::default().monitor.persistence_s));
     let after = baro.untrustworthy_after_s.unwrap() - 30.0;
     assert!((after - delay).abs() < 2.0 / 32.0 + 0.1, "{after} {delay}");
@@ -155,7 +155,8 @@ fn second_corrections_take_a_slow_error_off_and_the_flown_one_is_the_main_result
 
 #[test]
 fn the_rule_that_is_recommended_holds_on_other_flights() {
-    // Recommended on one flight for two false alarms an hour; twenty other healthy flights of 36 s.
+    // A rule recommended on one flight for two false alarms an hour; then twenty other healthy flights of 36
+    // s.
     let recipe = |seed| Recipe { seed, baro_correlated: (0.5, 0.4), free_s: 36.0, ..Recipe::default() };
     let flight = recipe(1).make();
     let model = model();
@@ -173,7 +174,7 @@ fn the_rule_that_is_recommended_holds_on_other_flights() {
             compared_by(&recipe(seed).make(), &careful).sensors["baro"].untrustworthy_after_s.is_some()
         })
         .count() as f64;
-    // Expected 0.4 in 720 s, and the first windows; Poisson.
+    // Expected: 0.4 in 720 s, and the first windows; Poisson.
     let expected = 20.0 * (0.02 + advice.quality.healthy_alarm_in_first_window);
     assert!(alarms <= expected + 4.0 * expected.sqrt(), "{alarms} alarms, expected {expected}");
 }
@@ -186,8 +187,8 @@ fn effects_are_said_with_their_coefficients() {
             Model::parse(&format!("{MODEL}\n[[effect]]\nid = \"baro.dynamic_pressure\"\n{effect}")).unwrap();
         compared_by(&flight, &model)
     };
-    // The airspeed never changes, so that captive flight says nothing about the coefficient: the
-    // prior's value and sigma stay, and the bias takes the error.
+    // The airspeed never changes, so captive flight contains no information about the coefficient: the
+    // prior's value and sigma stay, and the bias absorbs the error.
     let estimated = with("estimate = true\nsigma = 0.05\n");
     let fact = &estimated.effects[0];
     assert!(fact.estimated && fact.effect == "baro.dynamic_pressure" && fact.unit == "1");
@@ -265,7 +266,7 @@ fn without_a_launch_everything_after_it_is_null() {
     assert!(comparison.warnings.iter().any(|line| line.starts_with("no launch")));
 }
 
-/// The whole text, for a made flight with a dive, a fault and a gap in what it measured.
+/// The whole text, for a generated flight with a dive, a fault and a gap in its measurements.
 #[test]
 fn the_text_stays_as_it_is() {
     let recipe = Recipe {
@@ -308,7 +309,7 @@ fn without_the_reference_the_sensors_disagreement_is_said() {
     assert!(
         pylon::compare::text(&agreeing, false).contains("Without the reference baro and imu_slave agree")
     );
-    // From 15 s after launch on the inertial altitude is off by far more than both bounds.
+    // From 15 s after launch the inertial altitude is off by far more than both alarm limits.
     let disagreeing = compared_without(|after_s| if after_s < 15.0 { 0.0 } else { 1_000.0 });
     let check = disagreeing.cross_check.clone().unwrap();
     assert_eq!(check.agreement, "disagree");

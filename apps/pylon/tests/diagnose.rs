@@ -1,5 +1,4 @@
-//! `pylon diagnose` on simulated flights: what is hidden is found, and nothing is found where there is
-//! nothing.
+//! `pylon diagnose` on simulated flights: a hidden effect is found, and without one nothing is found.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
@@ -72,7 +71,7 @@ fn an_error_that_all_sensors_share_is_the_receivers() {
     let diagnosis = diagnosed(&scenario, 5, &Model::default());
     assert_eq!(diagnosis.sensors["gps"].missing, ["gps.latency"], "{diagnosis:?}");
     assert!(diagnosis.sensors["baro"].missing.is_empty());
-    // With one sensor alone its sign says whose delay it is: a barometer is never early.
+    // With only one sensor, the sign shows whose delay it is: a barometer is never early.
     let (mut flight, _) = simulate(&scenario, 5).unwrap();
     flight.channels.retain(|(channel, _)| !channel.name().starts_with("imu_"));
     let diagnosis = diagnose(&[named(&flight, &Model::default())], &[], &mut || ());
@@ -88,7 +87,7 @@ fn a_second_flight_is_held_out_and_never_the_one_learned_from() {
         stdout(directory, &["simulate", scenario, "-o", name, "--seed", seed]);
     }
     let json = stdout(directory, &["diagnose", "a.csv", "--hold-out", "b.csv", "--json"]);
-    // What was written is read again, to the last digit.
+    // The JSON is read back to the last digit.
     let read: Diagnosis = serde_json::from_str(&json).unwrap();
     assert_eq!(read.version, Diagnosis::VERSION);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();

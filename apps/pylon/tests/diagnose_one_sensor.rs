@@ -1,5 +1,5 @@
-//! `diagnose` on a log of one barometer and one receiver, a fix a second in whole metres, without a climb
-//! rate: what most people have. Only the difference of both delays can be seen there, and its sign names it.
+//! `diagnose` on a log of one barometer and one receiver, with a fix a second in whole metres and no climb
+//! rate: the most common kind. It shows only the difference of the two delays, whose sign names the sensor.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::f64::consts::TAU;
@@ -18,7 +18,7 @@ fn altitude_m(time_s: f64) -> f64 {
     1500.0 + sine(300.0, 1500.0) + sine(40.0, 140.0) + sine(6.0, 26.0)
 }
 
-/// Forty minutes, with the barometer and the receiver late by so many seconds.
+/// Forty minutes, with the barometer and the receiver late by these delays, seconds.
 fn log(seed: u64, baro_s: f64, receiver_s: f64) -> Flight {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut random) };
@@ -62,7 +62,7 @@ fn of_a_log_without_errors_but_noise_nothing_is_claimed() {
     }
 }
 
-/// What is late is named and nothing else, and how late it is within two of the sigmas that are stated.
+/// Only the late sensor is named, with its delay to within two of the stated sigmas.
 #[test]
 fn a_late_sensor_and_a_late_receiver_are_delays_and_nothing_else() {
     for (seed, baro_s, receiver_s, late) in [
@@ -94,8 +94,8 @@ fn a_small_delay_is_a_set_of_two_with_its_probabilities() {
     assert!(probabilities.iter().sum::<f64>() <= 1.0 + 1e-9);
 }
 
-/// A drift is named by its probability against what a flight can try, and what no column of it could tell
-/// from it is said.
+/// A drift is named by its probability against the other effects that the flight can test; causes that no
+/// column of it could distinguish from it are reported.
 #[test]
 fn a_drift_is_named_and_the_temperature_that_was_not_recorded_is_said() {
     let mut named = 0;
@@ -122,7 +122,7 @@ fn a_drift_is_named_and_the_temperature_that_was_not_recorded_is_said() {
             let said = text(&diagnosis, false);
             assert!(said.contains("missing, strongest first: baro.drift ("), "{said}");
         } else {
-            // Just below the limit it is the first of a set, and nothing else is named.
+            // Just below the limit it is the first of a set, and no other effect is named.
             assert_eq!(identified(&diagnosis), Vec::<&str>::new());
             assert!(probability > 0.5 && baro.indistinguishable[0][0] == "baro.drift", "{baro:?}");
         }
@@ -130,7 +130,8 @@ fn a_drift_is_named_and_the_temperature_that_was_not_recorded_is_said() {
     assert!(named > 0);
 }
 
-/// A delay that no barometer has is a misfit without a name: neither the lag, nor what comes next to it.
+/// A delay that no barometer has is a misfit without a name: neither the lag is named, nor the next best
+/// effect.
 #[test]
 fn a_delay_beyond_nature_is_no_effect_and_the_next_best_is_none_either() {
     let diagnosis = diagnosed(&log(12, 7.5, 0.0));

@@ -1,4 +1,4 @@
-//! Laws over recorded signals: a simulated flight with a column that nobody knows in, the law on the command
+//! Laws over recorded signals: a simulated flight with a column of unknown meaning in, the law on the command
 //! line out.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
@@ -11,7 +11,7 @@ use common::Recipe;
 use pylon::flight::{Channel, Column, Flight};
 use serde_json::Value;
 
-/// What a flap does at a row: it is out for some seconds now and then, which no other signal follows.
+/// The flap's position at a row: it is out for some seconds now and then, which no other signal follows.
 fn flap(row: usize) -> f32 {
     let time_s = row as f64 / common::ROWS_PER_S;
     let out = [
@@ -25,13 +25,14 @@ fn flap(row: usize) -> f32 {
     now.map_or(0.0, |(.., deflection)| *deflection)
 }
 
-/// A door that moves with the flap, but for one time a little.
+/// A door that moves with the flap, except once by a little.
 fn door(row: usize) -> f32 {
     let time_s = row as f64 / common::ROWS_PER_S;
     if (128.0..139.0).contains(&time_s) { 0.85 * flap(row) } else { flap(row) }
 }
 
-/// A simulated flight in which the flap adds so many metres a unit to the barometer; its column is recorded.
+/// A simulated flight in which the flap adds this many metres per unit to the barometer; its column is
+/// recorded.
 fn flight(seed: u64, metres: f32) -> Flight {
     let mut flight = Recipe { free_s: 100.0, seed, climb_mps: common::dive_mps, ..Recipe::default() }.make();
     let column = |of: &dyn Fn(usize) -> Option<f32>| {
@@ -61,8 +62,8 @@ fn json(folder: &Path, arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The law is found, has its coefficient, becomes a definition of a model, and a model that knows it knows no
-/// further one.
+/// The law is found with its coefficient and becomes a definition of a model; with that model no further law
+/// is found.
 #[test]
 fn the_law_of_a_column_that_nobody_knows_is_found_and_written() {
     let folder = tempfile::tempdir().unwrap();
@@ -105,8 +106,8 @@ fn the_law_of_a_column_that_nobody_knows_is_found_and_written() {
     assert_eq!(rest["laws"], serde_json::json!([]), "{rest:#}");
 }
 
-/// A door that moves with the flap could be the cause as well: both are said to be equal on this flight, and
-/// what to fly to tell them apart.
+/// A door that moves with the flap could be the cause as well: both are reported as equal on this flight,
+/// with the manoeuvre that would distinguish them.
 #[test]
 fn laws_that_are_equal_on_a_flight_are_named_with_the_manoeuvre_that_tells_them_apart() {
     let folder = tempfile::tempdir().unwrap();

@@ -12,7 +12,7 @@ use pylon::simulate::{Scenario, Truth, regressor, simulate};
 /// A rough flight with every signal in motion.
 const ROUGH: &str = include_str!("../../../workbench/simulate/plans/rough.toml");
 
-/// That flight; sensors without any error of their own.
+/// That flight, with error-free sensors.
 fn scenario(rates: [f64; 3], shake: f64) -> Scenario {
     let [fixes_hz, signals_hz, inertial_hz] = rates;
     let text = format!(
@@ -50,7 +50,7 @@ fn scenario(rates: [f64; 3], shake: f64) -> Scenario {
 const TIME_CONSTANT_S: f32 = 7.0;
 const ROW_S: f64 = 0.005;
 
-/// What the flight computer makes of the flight, a row of free flight, and the truth of it.
+/// The flight computer's regressor for each row of free flight, and the truth.
 fn both(
     scenario: &Scenario,
     id: EffectId,
@@ -99,7 +99,7 @@ fn span(series: &[f64]) -> f64 {
     largest - series.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// Ours as a multiple of the truth, by least squares with a constant beside it.
+/// Our regressor as a multiple of the truth, by least squares together with a constant.
 fn slope(ours: &[f64], truth: &[f64]) -> f64 {
     let mean = |series: &[f64]| series.iter().sum::<f64>() / series.len() as f64;
     let (centre, centre_of_truth) = (mean(ours), mean(truth));
@@ -107,7 +107,7 @@ fn slope(ours: &[f64], truth: &[f64]) -> f64 {
     products / truth.iter().map(|t| (t - centre_of_truth).powi(2)).sum::<f64>()
 }
 
-/// Effects whose regressor is one value at launch and never moves again.
+/// An effect whose regressor is fixed at launch.
 const CONSTANT: EffectId = EffectId::BaroCarrierField;
 
 #[test]
@@ -123,23 +123,23 @@ fn with_every_signal_in_every_row_the_regressors_are_the_truth() {
         let size = truth.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
         let steps = truth.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
         let tolerance = match id {
-            // A low-pass of 0.05 s: no further behind than its time constant at the fastest change of load.
+            // A low-pass of 0.05 s: it lags by at most its time constant at the fastest change of load.
             EffectId::BaroAcceleration => 0.05 * steps / ROW_S,
-            // V as it was in the last row before launch.
+            // V of the last row before launch.
             EffectId::BaroCarrierField => 0.01 * size,
-            // Specific force and attitude in f32, and the simulator's specific force is that of the row's
-            // begin where its motion is that of the whole row.
+            // Specific force and attitude are in f32, and the simulator's specific force is that at the row's
+            // beginning, while its motion is that of the whole row.
             EffectId::ImuAccelScale | EffectId::ImuTilt | EffectId::ImuGyroBias => 2e-3 * size,
-            // Altitudes of 1,500 m in f32 are known to 6e-5 m.
+            // Altitudes of 1,500 m in f32 have a resolution of 6e-5 m.
             EffectId::BaroScale => 3e-4,
-            // Signals of f32, each with 6e-8; time of f32; integrals are a sum of so many steps.
+            // Signals in f32, each with 6e-8; time in f32; integrals are a sum of this many steps.
             _ => 1e-5 * size,
         };
         for (row, (ours, truth)) in ours.iter().zip(&truth).enumerate() {
             let apart = (ours - truth).abs();
             assert!(apart <= tolerance, "{} row {row}: {ours} {truth}, tolerance {tolerance}", id.name());
         }
-        // There was something to see, and it was seen in its size.
+        // The regressor was excited, and has the right size.
         if id != CONSTANT {
             let slope = slope(&ours, &truth);
             assert!(span(&truth) > 3.0 * tolerance && (slope - 1.0).abs() < 0.01, "{}: {slope}", id.name());
@@ -156,17 +156,17 @@ fn with_sensors_at_their_own_rates_the_regressors_are_a_little_late() {
         }
         let (ours, truth, _) = both(&scenario, id, |_| {});
         let is_integrated = id.name().starts_with("imu.");
-        // How old a signal can be, rows: a held fix, a held sample, or the memory of a low-pass.
+        // The largest age of a signal, rows: a held fix, a held sample, or the memory of a low-pass.
         let late = match id {
             EffectId::BaroLag | EffectId::GpsLatency => 40,
             EffectId::BaroAcceleration => 100,
             _ => 4,
         };
         let size = span(&truth);
-        // A fix is carried over 0.2 s by its climb rate, against accelerations of up to 4 g.
+        // A fix is extrapolated over 0.2 s with its climb rate, against accelerations of up to 4 g.
         let tolerance = match id {
             EffectId::BaroScale => 0.5 * 40.0 * 0.2 * 0.2,
-            // Attitudes are carried by the body rates from one to the next: little of gravity gets in.
+            // Between attitude samples the body rates propagate the attitude: little of gravity leaks in.
             _ if is_integrated => 0.02 * size,
             _ => 1e-4 * size,
         };
@@ -174,7 +174,7 @@ fn with_sensors_at_their_own_rates_the_regressors_are_a_little_late() {
             let recent = &truth[row.saturating_sub(late)..=row];
             let least = recent.iter().copied().fold(f64::INFINITY, f64::min) - tolerance;
             let largest = recent.iter().copied().fold(f64::NEG_INFINITY, f64::max) + tolerance;
-            // The first samples after launch may still be of captive flight.
+            // The first samples after launch may still be from captive flight.
             assert!(row < late || (least..=largest).contains(value), "{} row {row}: {value}", id.name());
         }
         let slope = slope(&ours, &truth);
@@ -202,7 +202,7 @@ fn without_a_climb_rate_the_altitudes_make_one() {
             }
         });
         let slope = slope(&ours, &truth);
-        // The filter's memory of a second or two rounds the manoeuvres' corners.
+        // The filter's memory of a second or two smooths the manoeuvres' corners.
         assert!((0.75..1.25).contains(&slope), "{}: {slope}", id.name());
     }
 }

@@ -1,4 +1,4 @@
-//! What `pylon export` writes, read by the readers of those who use it: pyarrow, DuckDB, Python's csv and two
+//! The output of `pylon export`, read by the readers that users have: pyarrow, DuckDB, Python's csv and two
 //! MCAP libraries. They are installed by pip and npm into the build's folder.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -18,11 +18,11 @@ use serde_json::Value;
 fn made() -> (tempfile::TempDir, Flight) {
     let directory = tempfile::tempdir().unwrap();
     let mut flight = Recipe { captive_s: 20.0, free_s: 5.0, ..Recipe::default() }.make();
-    // A sample that is none is not an empty cell.
+    // A sample that is NaN is not an empty cell.
     let (_, baro) = flight.channels.iter_mut().find(|(channel, _)| *channel == Channel::BaroAltM).unwrap();
     baro.set(7, Some(f32::NAN));
     baro.set(8, None);
-    // Digits that f32 has no room for, and sums that are exact in whatever order.
+    // More digits than f32 can hold, and sums that are exact in any order.
     let position = |start: f64| {
         let mut column = Column::empty_double(flight.rows());
         let fixes = flight.channel(Channel::GpsAltM).unwrap().samples();
@@ -86,7 +86,7 @@ fn other_programs_read_what_was_exported() {
     let expected = expected(&flight);
     assert_same("pyarrow", &read["pyarrow"]["columns"], &expected, 0.0);
     assert_same("duckdb", &read["duckdb"], &expected, 0.0);
-    // The digits are the fewest that give the same f32 back.
+    // The shortest decimals that give the same f32 back.
     assert_same("csv", &read["csv"], &expected, 1e-6);
     assert_eq!(read["pyarrow"]["groups"], 1);
     let metadata = &read["pyarrow"]["metadata"];
@@ -97,7 +97,7 @@ fn other_programs_read_what_was_exported() {
         (&units["baro_alt_m"], &units["gps_vd_mps"], &units["time_s"]),
         (&"m".into(), &"m/s".into(), &"s".into())
     );
-    // MCAP: a message for every sample, null for what is no number.
+    // MCAP: a message for every sample, null for one that is not finite.
     for (name, [_, samples, sum]) in expected.iter().skip(1) {
         let found = &read["mcap"][name];
         assert_eq!(found[0].as_f64(), Some(*samples), "mcap: {name}");
@@ -140,7 +140,7 @@ fn node_readers() -> Option<std::path::PathBuf> {
     Some(folder)
 }
 
-/// By its index and from its beginning, with every checksum; every message by the schema of its channel.
+/// Through its index and from its beginning, with every checksum; every message by the schema of its channel.
 #[test]
 fn foxgloves_own_reader_reads_the_mcap_by_its_schemas() {
     let Some(readers) = node_readers() else { return };
@@ -160,7 +160,7 @@ fn foxgloves_own_reader_reads_the_mcap_by_its_schemas() {
     }
     let schema_of = |topic: &str| read["channels"][topic].as_str().unwrap().to_owned();
     assert_eq!((schema_of("/gps"), schema_of("/baro")), ("pylon.gps".to_owned(), "pylon.baro".to_owned()));
-    // The fixes are on Foxglove's map as well.
+    // The fixes also appear on Foxglove's map.
     assert_eq!(schema_of("/gps/fix"), "foxglove.LocationFix");
     let fixes = flight.extra[0].1.samples().count();
     let last = &read["fixes"][fixes - 1];

@@ -1,4 +1,5 @@
-//! What `pylon fly --fault` says that a fault did, of flights on the host: no emulator is needed.
+//! The consequences of a fault that `pylon fly --fault` reports, for flights on the host: no emulator is
+//! needed.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::Path;
@@ -39,7 +40,7 @@ fn of_flight(flight: &Flight, fault: &str) -> (Consequence, String) {
     (found, text)
 }
 
-/// The line that begins with this name.
+/// The first line that begins with this name.
 fn line<'a>(text: &'a str, name: &str) -> &'a str {
     text.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_else(|| panic!("{name}: {text}"))
 }
@@ -51,7 +52,7 @@ fn a_bit_flipped_in_one_frame_of_the_receiver_does_nothing_that_matters() {
     assert_eq!(found.calibration.quality.clean, found.calibration.quality.with_fault);
     assert!(line(&text, "calibration").ends_with("as without the fault"), "{text}");
     assert_eq!(line(&text, "launch decided").matches("as without the fault").count(), 1, "{text}");
-    // One fix of some 300: a few hundredths of a sigma.
+    // One fix of about 300: a few hundredths of a sigma.
     for (sensor, bias) in &found.calibration.sensors {
         assert!(bias.difference_m != 0.0 && bias.difference_in_sigmas.abs() < 0.5, "{sensor}: {bias:?}");
     }
@@ -65,7 +66,7 @@ fn a_bit_flipped_in_one_frame_of_the_receiver_does_nothing_that_matters() {
 fn a_barometer_stuck_in_free_flight_is_silent_and_leaves_the_calibration_alone() {
     let (found, text) = of("baro stuck-low 65..70");
     let silent_s = found.not_delivering_s["baro"];
-    // Its initialisation takes some tenths of a second more.
+    // Its initialisation takes some tenths of a second in addition.
     assert!((5.0..6.0).contains(&silent_s), "{silent_s}");
     assert!(line(&text, "not delivering").contains(&format!("baro for {silent_s:.3} s")), "{text}");
     assert_eq!(found.not_delivering_s["imu"], 0.0);
@@ -81,7 +82,7 @@ fn a_barometer_stuck_in_free_flight_is_silent_and_leaves_the_calibration_alone()
 
 #[test]
 fn an_inertial_unit_that_resets_in_captive_flight_is_said_with_what_its_altitude_lost() {
-    // The inertial altitude is then made of the unit's samples.
+    // The inertial altitude is then computed from the unit's samples.
     let mut flight = flight().clone();
     flight.channels.retain(|(channel, _)| *channel != Channel::ImuSlaveAltM);
     let (found, text) = of_flight(&flight, "imu reset 30");

@@ -1,4 +1,4 @@
-//! Effects by formula, from a file on disk to what the user reads; and the catalogue's own, written as
+//! Effects by formula, from a file on disk to the user's output; and the catalogue's effects, written as
 //! formulas.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -24,7 +24,7 @@ fn quickstart(seed: u64) -> Flight {
     simulate(&scenario, seed).unwrap().0
 }
 
-/// Every effect of the catalogue, as it is compiled in and as a formula, over a whole flight.
+/// Every effect of the catalogue, in its compiled form and as a formula, over a whole flight.
 #[test]
 fn the_catalogue_as_formulas_is_the_catalogue() {
     let flight = quickstart(11);
@@ -33,8 +33,8 @@ fn the_catalogue_as_formulas_is_the_catalogue() {
         let regressor = Regressor { time_constant_s: 20.0, ..Regressor::new(id) };
         let formula = Formula::compile(of_catalogue(id).unwrap(), &mut Columns::default()).unwrap();
         let used = formula.program().signals();
-        // As a model with this effect alone has it: beside an inertial effect the compiled pitch is carried
-        // on by the body rates.
+        // As in a model with this effect alone: together with an inertial effect, the compiled pitch is
+        // propagated by the body rates.
         let mut tracker = SignalTracker::for_effects([id], replay.model().latitude_deg);
         let mut evaluation = Evaluation::new(formula.program(), regressor.time_constant_s);
         let mut frame = Frame::default();
@@ -55,7 +55,7 @@ fn the_catalogue_as_formulas_is_the_catalogue() {
             let value = evaluation.step(&frame).ok();
             frame.end();
             let compiled = tracker.regressor_m(regressor);
-            // A difference of two samples is none at the first.
+            // A difference of two samples does not exist at the first.
             let is_first = count == 0 && id == EffectId::ImuVibration;
             assert!(
                 value.is_some() == compiled.is_some() || is_first,
@@ -69,13 +69,13 @@ fn the_catalogue_as_formulas_is_the_catalogue() {
                 count += 1;
             }
         }
-        // Some roundings of the numbers that it is made of: altitudes of a kilometre and temperatures of 300
-        // K are taken off each other.
+        // A few roundings of the numbers that it is computed from: altitudes of a kilometre and temperatures
+        // of 300 K are subtracted from each other.
         let rounding = match id {
             EffectId::BaroScale => 2.0 * 1.2e-4,
             EffectId::BaroTemperature => 2.0 * 3.1e-5,
-            // One straight line where the catalogue has two steps: half a sample's share of what its variance
-            // changes by.
+            // One straight line where the catalogue has two steps: half a sample's share of the change of its
+            // variance.
             EffectId::ImuVibration => 0.01 * largest,
             _ => 1e-6 * largest.max(1.0),
         };
@@ -84,24 +84,24 @@ fn the_catalogue_as_formulas_is_the_catalogue() {
     }
 }
 
-/// A hidden law, by the hypsometric equation in double precision: nothing of the estimator is in it.
+/// A hidden law, by the hypsometric equation in double precision: it uses no code of the estimator.
 fn raised(pressure_pa: f32, by_m: f64) -> f32 {
     let altitude_m = 44_330.77 * (1.0 - (f64::from(pressure_pa) / 101_325.0).powf(0.190_263_1));
     (101_325.0 * (1.0 - (altitude_m + by_m) / 44_330.77).powf(1.0 / 0.190_263_1)) as f32
 }
 
-/// The flap, which goes out and in every twelve seconds of free flight.
+/// The flap, which extends and retracts every twelve seconds of free flight.
 fn flap(free_s: f64) -> f64 {
     if (free_s / 12.0).rem_euclid(1.0) < 0.5 { 0.0 } else { 0.8 }
 }
 
-/// A flight with a flap under which the barometer reads so much of the dynamic head too much, and a
-/// slipstream that goes with throttle and airspeed squared, as CSV.
+/// A flight as CSV, with a flap that adds this share of the dynamic head to the barometer's altitude, and a
+/// slipstream proportional to throttle and airspeed squared.
 fn flown(directory: &Path, name: &str, seed: u64, of_flap: f64, of_slipstream: f64) {
     flown_late(directory, name, seed, [of_flap, of_slipstream], 0.0);
 }
 
-/// The same, the pressure following the flap with a time constant.
+/// The same, but the pressure follows the flap with a time constant.
 fn flown_late(directory: &Path, name: &str, seed: u64, [of_flap, of_slipstream]: [f64; 2], late_s: f64) {
     let mut flight = quickstart(seed);
     let rows = flight.rows();
@@ -162,7 +162,7 @@ fn json(directory: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&stdout(directory, arguments)).unwrap()
 }
 
-/// Found, learned, and gone; and refused where it cannot fly.
+/// A user's law is found, learned and removed from the error; and refused where it cannot fly.
 #[test]
 fn a_law_of_ones_own_is_found_learned_and_taken_off() {
     let directory = tempfile::tempdir().unwrap();
@@ -195,13 +195,13 @@ fn a_law_of_ones_own_is_found_learned_and_taken_off() {
     let model = fs::read_to_string(at.join("ours.toml")).unwrap();
     assert!(model.contains("formula = \""), "{model}");
 
-    // The flap is no signal of the flight computer's.
+    // The flight computer has no flap signal.
     let refused = run(at, &["fly", "friday.csv", "--model", "ours.toml"]);
     let said = String::from_utf8(refused.stderr).unwrap();
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(said.contains("baro.flap_wash reads flap, which the flight computer does not have"), "{said}");
 
-    // A coefficient is one of the formula that it was learned for.
+    // A coefficient belongs to the formula for which it was learned.
     fs::write(at.join("changed.toml"), model.replace("(2*g)", "(2.2*g)")).unwrap();
     let refused = run(at, &["compare", "friday.csv", "--model", "changed.toml"]);
     let said = String::from_utf8(refused.stderr).unwrap();
@@ -210,7 +210,7 @@ fn a_law_of_ones_own_is_found_learned_and_taken_off() {
         "{said}"
     );
 
-    // A column that is written otherwise.
+    // A column spelt differently.
     fs::write(
         at.join("typo.toml"),
         FLAP.replace("flap *", "flaps *") + "\n[[effect]]\nid = \"baro.flap_wash\"\ncoefficient = 0.3\n",
@@ -229,7 +229,7 @@ fn a_law_of_ones_own_is_found_learned_and_taken_off() {
     assert!(explained.contains("flap counts as a plain number"), "{explained}");
 }
 
-/// A law over what the flight computer measures, as a state of its filter.
+/// A law over signals that the flight computer measures, as a state of its filter.
 #[test]
 fn a_law_that_can_fly_is_learned_as_a_state() {
     let directory = tempfile::tempdir().unwrap();
@@ -277,13 +277,13 @@ fn the_time_constant_of_a_formula_is_found_in_the_grid() {
     assert!(coefficient > 0.1 && sigma < 0.1, "{added}");
     let model = fs::read_to_string(at.join("ours.toml")).unwrap();
     assert!(model.contains(&format!("time_constant_s = {found_s}")), "{model}");
-    // The other formula's coefficient is none of this one's: nor is a time constant's of a formula without.
+    // A coefficient does not apply to another formula, nor a time constant to a formula without one.
     fs::write(at.join("changed.toml"), model.replace("lowpass(flap, tau)", "flap")).unwrap();
     let said = run(at, &["compare", "monday.csv", "--model", "changed.toml"]);
     assert_eq!(said.status.code(), Some(2), "{said:?}");
 }
 
-/// What can be no definition is refused by the program in one message that points at the place.
+/// An invalid definition is refused with one message that points at the error.
 #[test]
 fn a_definition_that_can_not_be_is_refused_where_it_is_wrong() {
     let directory = tempfile::tempdir().unwrap();
@@ -308,13 +308,13 @@ fn a_definition_that_can_not_be_is_refused_where_it_is_wrong() {
     }
 }
 
-/// What docs/effects.md has between its fences of that kind.
+/// The fenced blocks of this kind in docs/effects.md.
 fn blocks<'a>(text: &'a str, kind: &str) -> Vec<&'a str> {
     let fence = format!("```{kind}\n");
     text.split(fence.as_str()).skip(1).map(|block| block.split("```").next().unwrap()).collect()
 }
 
-/// The page's own model and commands, as they are pasted.
+/// The page's own model and commands, as pasted.
 #[test]
 fn every_command_of_the_page_works_as_pasted() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/effects.md");

@@ -1,4 +1,4 @@
-//! What the fuzzers begin with, and what they found, through what they call (`fuzz/`): no panic.
+//! The fuzzers' seeds and findings, passed to the functions that they call (`fuzz/`): no panic.
 #![allow(clippy::expect_used, clippy::unwrap_used)]
 
 #[path = "../../../fuzz/src/lib.rs"]
@@ -43,7 +43,7 @@ fn nothing_that_was_found_panics_any_more() {
     }
 }
 
-/// A target that nobody replays would be found by nobody.
+/// A fuzz target that is missing here would go unnoticed.
 #[test]
 fn every_target_is_replayed() {
     let mut found: Vec<String> = fs::read_dir(folder().join("fuzz_targets"))

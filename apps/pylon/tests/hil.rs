@@ -1,5 +1,5 @@
-//! A flight through a board on its debug link (`pylon fly --hil`), as far as that goes without one: the image
-//! for the board runs in QEMU, and OpenOCD is a stand-in (`common/openocd.rs`).
+//! A flight through a board on its debug link (`pylon fly --hil`), as far as can be tested without one: the
+//! image for the board runs in QEMU, and OpenOCD is a stand-in (`common/openocd.rs`).
 //!
 //! Needs qemu-system-arm and the Rust target.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
@@ -21,13 +21,13 @@ use pylon::replay::Replay;
 use pylon::simulate::{load_scenario, simulate};
 use serde_json::Value;
 
-/// Counts of the timer that makes the ticks: 5 ms at 16 MHz.
+/// Counts of the tick timer: 5 ms at 16 MHz.
 const TICK_COUNTS: u64 = 80_000;
 
 /// The first 16 s of calibration and 11 s of free flight of the quickstart, ticks.
 const QUICKSTART_TICKS: u64 = 200 * (16 + 5 + 6);
 
-/// The quickstart's flight, cut to what both phases need, as `flight.csv`.
+/// The quickstart's flight, cut to the minimum that both phases need, as `flight.csv`.
 fn write_quickstart(directory: &Path) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../flights/quickstart.toml");
     let mut scenario = load_scenario(&file).unwrap();
@@ -71,18 +71,18 @@ fn every_tick_of_captive_and_of_free_flight_has_the_hosts_bits() {
     assert_eq!(same["bit_for_bit"], true);
     assert_eq!(same["ticks"], QUICKSTART_TICKS);
     assert_eq!(same["latched_s"], 16.0);
-    // The drivers had something to do, and nothing went wrong.
+    // The drivers were used, and nothing went wrong.
     assert_eq!(same["sensor_faults"], 0);
     assert_eq!(same["chips"]["agreement"]["baro"]["within_bound"], true);
     assert!(same["parts"]["mission"]["cycles_mean"].as_f64().unwrap() > 100.0, "{same}");
-    // A tick is 5 ms of the board's clock, and the chips' models, the messages and the results fit into it.
+    // A tick is 5 ms of the board's clock, and the chip models, the messages and the results fit into it.
     // QEMU's timer is one count short.
     let period = same["tick_period_cycles"].as_u64().unwrap();
     assert!(period.abs_diff(TICK_COUNTS) <= 1, "{same}");
     assert_eq!((&same["underruns"], &same["stalls"]), (&Value::from(0), &Value::from(0)));
 }
 
-/// A made flight through the image with an error, or load, planted in it.
+/// A generated flight through the image with a planted error or load.
 fn fly_planted(planted: PlantedError) -> Result<FlyReport, FlyError> {
     let tools = tempfile::tempdir().unwrap();
     let flight = Recipe { captive_s: 14.0, free_s: 3.0, ..Recipe::default() }.make();
@@ -102,7 +102,7 @@ fn one_unit_in_the_last_place_on_the_board_is_found() {
     assert_eq!(difference.field, "input.baro", "{error}");
 }
 
-/// The board starts again, after any number of panics, and the comparison is over.
+/// The board restarts after any number of panics, and the comparison ends.
 #[test]
 fn a_panic_on_the_board_restarts_it_and_says_so() {
     let error = fly_planted(PlantedError::Panic).unwrap_err();
@@ -110,7 +110,7 @@ fn a_panic_on_the_board_restarts_it_and_says_so() {
     assert!(error.to_string().contains("restarted, after a panic"), "{error}");
 }
 
-/// On a board it is the host that is slow.
+/// With a board it is the host that is slow.
 #[test]
 fn ticks_that_wait_for_the_host_are_no_failure() {
     let report = fly_planted(PlantedError::Starve).unwrap();
@@ -118,7 +118,7 @@ fn ticks_that_wait_for_the_host_are_no_failure() {
     assert_eq!(report.cost_unit, CostUnit::Cycles);
 }
 
-/// One line that says what is wrong and what to do, and status 2.
+/// One line with the cause and the remedy, and status 2.
 #[test]
 fn what_keeps_a_board_from_flying_is_said_in_one_line() {
     let directory = tempfile::tempdir().unwrap();
@@ -143,7 +143,7 @@ fn without_openocd_it_is_said_how_to_get_it_before_anything_is_built() {
     let directory = tempfile::tempdir().unwrap();
     Recipe { captive_s: 14.0, free_s: 3.0, ..Recipe::default() }.write(directory.path());
     let mut command = pylon(directory.path());
-    // Not even cargo is there.
+    // Not even cargo can be found.
     let output = command.env("PATH", directory.path()).args(["fly", "made.csv", "--hil"]).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{stderr}");
@@ -166,7 +166,7 @@ fn a_board_of_which_nothing_is_heard_is_given_up() {
     let error = fly(&replay, &options).unwrap_err();
     assert!(matches!(error, FlyError::Silent { seconds: 2, .. }), "{error}");
     assert!(error.to_string().contains("for 2 s (** Verified OK **): reset the board"), "{error}");
-    // The stand-in sleeps for ten minutes; what is left of the time is the image's build.
+    // The stand-in sleeps for ten minutes; the remaining time is the build of the image.
     assert!(started.elapsed() < Duration::from_secs(500));
 }
 

@@ -1,4 +1,4 @@
-//! Every importer on bytes that nobody meant as a log: no panic, no hang, and a flight that can be written.
+//! Every importer on bytes that are not meant as a log: no panic, no hang, and any flight can be written.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use pylon::flight::{self, Flight};
 use pylon::import::mapping::{self, Layout, LoggedTable};
 use pylon::import::{self, guess, import};
 
-/// What each kind of log begins with; some go on with a line or two.
+/// The beginning of each kind of log; some continue with a line or two.
 const BEGINNINGS: [&[u8]; 10] = [
     b"",
     b"ULog\x01\x12\x35\x01\x00\x00\x00\x00\x00\x00\x00\x00",
@@ -20,7 +20,7 @@ const BEGINNINGS: [&[u8]; 10] = [
     b"time_s,gps_alt_m,baro_pa\n0,100,100000\n0.1,101,99990\n0.2,102,99980\n",
 ];
 
-/// What is read can be written, whatever it was read from.
+/// Anything that was read can be written, whatever its source.
 fn assert_writable(flight: &Flight) {
     let mut written = Vec::new();
     flight::to_writer(&mut written, flight).unwrap();
@@ -30,7 +30,7 @@ fn assert_survives(bytes: &[u8]) {
     if let Ok((flight, _)) = import(bytes) {
         assert_writable(&flight);
     }
-    // Importers are asked one by one too: another may have been the first to recognise it.
+    // Each importer is called directly too, because another may have been the first to recognise the bytes.
     for importer in import::IMPORTERS {
         if let Ok((flight, _)) = importer.import(bytes) {
             assert_writable(&flight);
@@ -48,7 +48,7 @@ fn assert_survives(bytes: &[u8]) {
     }
 }
 
-/// Lines that look like tables, with all that goes wrong in them.
+/// Lines that look like tables, with everything that can go wrong in them.
 fn table() -> impl Strategy<Value = Vec<u8>> {
     let cell = prop_oneof![
         any::<f32>().prop_map(|value| value.to_string()),
@@ -66,7 +66,7 @@ fn table() -> impl Strategy<Value = Vec<u8>> {
                 move |(names, rows)| {
                     let mut text = names.join(&separator.to_string());
                     for (place, row) in rows.iter().enumerate() {
-                        // Half of them have a time that runs forward.
+                        // In half of them time runs forward.
                         let time = if width % 2 == 0 {
                             format!("{}{separator}", place * 100)
                         } else {
@@ -118,7 +118,8 @@ fn ten_million_bytes_of_damaged_stream_are_read_through() {
     };
     let mut stream = Vec::with_capacity(10_000_000);
     while stream.len() < 10_000_000 {
-        // Stamps of microseconds and the marks of both versions, in between noise that begins as frames do.
+        // Microsecond timestamps and the start markers of both versions, in between noise that begins like
+        // frames.
         stream.extend((1_600_000_000_000_000_u64 + stream.len() as u64 * 10).to_be_bytes());
         stream.push(if next() & 1 == 0 { 0xfe } else { 0xfd });
         let length = (next() % 40) as u8;

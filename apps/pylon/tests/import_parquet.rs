@@ -1,5 +1,5 @@
-//! Parquet as a flight: what Pylon exported, as it was; a table of pyarrow's by a mapping, channel by
-//! channel.
+//! Parquet as a flight: Pylon's own export comes back unchanged, and a table written by pyarrow is imported
+//! by a mapping, channel by channel.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
@@ -30,7 +30,7 @@ tas_mps = { column = "speed", unit = "m/s" }
 half = { column = "pair.a" }
 "#;
 
-/// Every cell of every channel is where it was, to the digits that the table had.
+/// Every cell of every channel is in the same place, to the digits of the table.
 fn assert_same(found: &Flight, made: &Flight, what: &str) {
     assert_eq!(found.rows(), made.rows(), "{what}");
     for (row, (time_s, expected_s)) in found.time_s.iter().zip(&made.time_s).enumerate() {
@@ -89,7 +89,7 @@ fn a_table_of_pyarrows_is_the_flight_by_a_mapping() {
         fs::remove_file(path.join("flight.csv")).unwrap();
     }
 
-    // The draft finds the time and the barometer's unit, and reads the table without a correction.
+    // The draft finds the time and the barometer's unit, and works without a correction.
     let said = stdout(path, &["import", "table.parquet", "--guess", "-o", "draft.toml"]);
     assert!(said.contains("14 columns in 3500 rows"), "{said}");
     assert!(said.contains("columns with several values a row, left out: several.list.element"), "{said}");
@@ -98,7 +98,7 @@ fn a_table_of_pyarrows_is_the_flight_by_a_mapping() {
     assert!(draft.contains("\nbaro_alt_m = { column = \"baro_ft\", unit = \"ft\" }"), "{draft}");
     stdout(path, &["import", "table.parquet", "--mapping", "draft.toml", "-o", "guessed.csv"]);
 
-    // Without a mapping it is not taken for anything.
+    // Without a mapping it is not recognised.
     let open = refusal(path, &["compare", "table.parquet"]);
     assert!(open.contains("'pylon import table.parquet --guess -o mapping.toml' drafts"), "{open}");
     fs::write(path.join("layout.toml"), format!("{MAPPING}[file]\nseparator = \";\"\n")).unwrap();
@@ -130,7 +130,7 @@ fn what_was_exported_comes_back_byte_for_byte() {
         let notes = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.success() && !notes.contains("damaged"), "{log}: {notes}");
         assert!(fs::read(path.join("back.csv")).unwrap() == fs::read(path.join(csv)).unwrap(), "{log}");
-        // Any command takes it as it takes the CSV.
+        // Every command reads it like the CSV.
         assert!(stdout(path, &["open", "flight.parquet"]).contains("Pylon's Parquet"), "{log}");
         let guess = refusal(path, &["import", "flight.parquet", "--guess"]);
         assert!(

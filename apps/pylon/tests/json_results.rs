@@ -52,7 +52,7 @@ fn every_command_with_json_has_a_schema() {
     assert_eq!(sorted, with_schema);
 }
 
-/// All but `fly`, whose own tests check its JSON: it needs QEMU.
+/// All commands but `fly`, which needs QEMU; its own tests check its JSON.
 #[test]
 fn what_a_command_prints_is_what_its_schema_says() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
 //! Autopilots' logs against the formats' reference readers: every column's rows, times, values and sums. The
-//! logs are real ones, read where they lie; a test says so when its log is not there.
+//! logs are real ones, read in place; a test reports if its log is missing.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ fn real(name: &str) -> Option<PathBuf> {
     Some(path)
 }
 
-/// What one of the scripts says.
+/// The output of one of the scripts.
 fn script(name: &str, arguments: &[&std::ffi::OsStr]) -> String {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let target =
@@ -49,9 +49,9 @@ fn imported(flight: &Flight) -> BTreeMap<String, Samples> {
     known.chain(flight.extra.iter().map(|(name, column)| (name.clone(), samples(column)))).collect()
 }
 
-/// Every column that the reference has is there, sample by sample. Both make their value of the same number,
-/// in f64, and ours is rounded to f32 once: half a unit in its last place, and what f64's own order of
-/// factors may add to that.
+/// Every column of the reference is present, sample by sample. Both compute their value from the same number,
+/// in f64, and ours is rounded to f32 once: half a unit in its last place, plus the effect of the order of
+/// factors in f64.
 fn agree(file: &str, flight: &Flight, reference: &BTreeMap<String, Samples>) {
     let ours = imported(flight);
     // Times have the same zero if the reference has the first column as well.
@@ -64,7 +64,7 @@ fn agree(file: &str, flight: &Flight, reference: &BTreeMap<String, Samples>) {
         let shift = first(&ours, name).unwrap() - first(reference, name).unwrap();
         let mut bound = 0.0;
         for ((time_s, value), (expected_s, expected)) in found.iter().zip(expected) {
-            // Microseconds, in doubles of seconds.
+            // Microseconds, as f64 seconds.
             assert!(
                 (time_s - shift - expected_s).abs() < 5e-7,
                 "{file}, {name}: {time_s} s, not {expected_s} s"
@@ -118,8 +118,8 @@ fn px4s_logs_are_read_as_pyulog_reads_them() {
     }
 }
 
-/// Altitudes of zero are left out on both sides, with the satellites of such a fix: recorders write them for
-/// none, and at the sea's shore for themselves.
+/// Altitudes of zero are left out on both sides, with the satellites of such a fix: recorders write zero for
+/// a missing altitude, and at the coast for a real one.
 #[test]
 fn gliders_logs_are_read_as_aerofiles_reads_them() {
     let (Some(few), Some(many)) = (real("igc"), real("igc_many")) else { return };
@@ -136,10 +136,11 @@ fn gliders_logs_are_read_as_aerofiles_reads_them() {
         let Ok((flight, _)) = import(&std::fs::read(&path).unwrap()) else { continue };
         let mut reference = referred("igc.py", &path);
         let ours = imported(&flight);
-        // A pressure altitude that is the receiver's own, or none, is said and not taken for a barometer's.
+        // A pressure altitude that copies the receiver's, or is missing, is reported and not used as a
+        // barometer's.
         reference.retain(|name, _| ours.contains_key(name) || name != "baro_alt_m");
-        // In hundredths of km/h; aerofiles has the numbers as they stand, as has a flight whose unit cannot
-        // be told.
+        // In hundredths of km/h. aerofiles keeps the numbers unchanged, as does a flight whose unit cannot be
+        // determined.
         if name == "igclib_new_zealand.igc" {
             let speeds = reference.remove("igc_tas").unwrap();
             let in_mps = speeds.into_iter().map(|(time_s, value)| (time_s, value / 360.0)).collect();

@@ -1,4 +1,4 @@
-//! A machine that has no thread left: the work is done in the one that there is, or one line says why not.
+//! A machine without free threads: the work is done in the existing one, or one line gives the reason.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::panic, clippy::expect_used)]
 
@@ -12,10 +12,10 @@ use std::process::{Command, Output};
 
 use common::Recipe;
 
-/// A user whom the limit holds: root is above it.
+/// A user to whom the limit applies: root is exempt.
 const NOBODY: &str = "65534";
 
-/// A program in a process that may have no thread but its first.
+/// A program in a process that may have only its first thread.
 fn limited(directory: &Path, program: &str, arguments: &[&str]) -> Command {
     const LIMIT: &str = "ulimit -u 1 && exec \"$0\" \"$@\"";
     let is_root = fs::metadata("/proc/self").unwrap().uid() == 0;
@@ -32,9 +32,10 @@ fn limited(directory: &Path, program: &str, arguments: &[&str]) -> Command {
     command
 }
 
-/// Why the limit cannot be had here, if so: without it this test would show nothing.
+/// Why the limit does not work here, if so: without it this test would show nothing.
 fn why_not(directory: &Path, program: &str) -> Option<String> {
-    // A shell that can start no other process has no thread to start either. `timeout`: some try for a while.
+    // A shell that can start no other process can start no thread either. `timeout`, because some retry for a
+    // while.
     let forks = limited(directory, "sh", &["-c", "(exit 3) & wait $!"]).output();
     match forks {
         Err(error) => return Some(format!("bash or setpriv: {error}")),
@@ -70,7 +71,7 @@ fn without_a_thread_every_command_gives_what_it_gives_with_them() {
     let program = env!("CARGO_BIN_EXE_pylon");
     let folder = tempfile::tempdir().unwrap();
     let directory = folder.path();
-    // Whoever runs the program limited must get in, and write.
+    // The user who runs the limited program needs access, also to write.
     fs::set_permissions(directory, fs::Permissions::from_mode(0o777)).unwrap();
     if let Some(why) = why_not(directory, program) {
         println!("skipped: without_a_thread_every_command_gives_what_it_gives_with_them: {why}");
@@ -102,7 +103,7 @@ fn without_a_thread_every_command_gives_what_it_gives_with_them() {
         assert!(alone.stdout == together.stdout, "{arguments:?}");
         assert!(page_alone == page_together, "{arguments:?}");
     }
-    // A server of several threads cannot be one of one.
+    // A server that needs several threads cannot run with one.
     let studio = limited(directory, program, &["studio", "--no-browser", "--port", "0"]).output().unwrap();
     assert_eq!(studio.status.code(), Some(2));
     let error = text(&studio.stderr);

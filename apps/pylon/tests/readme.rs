@@ -1,6 +1,6 @@
-//! The commands of README.md's "With a flight of your own", as they are pasted, in their order, in one
-//! folder. The PX4 and the ArduPilot log are real ones; where they are not there, the test says so and runs
-//! the rest. `fly` needs QEMU and has tests of its own.
+//! The commands of README.md's "With a flight of your own", as pasted, in order, in one folder. The PX4 and
+//! the ArduPilot log are real ones; if they are missing, the test reports it and runs the rest. `fly` needs
+//! QEMU and has its own tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;

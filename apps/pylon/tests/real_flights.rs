@@ -1,6 +1,6 @@
-//! Every real log that there is: what it is, when it took off and landed, what of it is used. The logs are
-//! read where they lie; the test says so when they are not there. The table is `real_flights/table.txt`,
-//! whose take-offs and landings were read off plots.
+//! Every available real log: its format, its take-off and landing, and which part is used. The logs are read
+//! in place; the test reports if they are missing. The table is `real_flights/table.txt`, whose take-offs and
+//! landings were read off plots.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;
@@ -11,7 +11,8 @@ use pylon::import::{format_name, open};
 use pylon::overview::{Overview, SensorState};
 use pylon::replay::{GivenTimes, Replay};
 
-/// How far a take-off or a landing may be from where it was seen, seconds: two blocks of the slowest logger.
+/// Largest allowed distance of a take-off or landing from the plotted one, seconds: two blocks of the slowest
+/// logger.
 const WITHIN_S: f64 = 20.0;
 
 fn folder() -> PathBuf {
@@ -40,7 +41,7 @@ fn table() -> BTreeMap<String, Vec<String>> {
         .collect()
 }
 
-/// A moment as the table has it.
+/// A time in the table's notation.
 fn is_at(found: Option<f64>, expected: &str) -> bool {
     match (found, expected.parse::<f64>()) {
         (Some(found), Ok(expected)) => (found - expected).abs() <= WITHIN_S,
@@ -125,7 +126,7 @@ fn check(file: &Path, row: &[String]) -> Result<(), String> {
     if !agrees {
         return says("flights", format!("{:?}", overview.airborne));
     }
-    // Of all these only one is a rocket; gliders, copters and a lost motor among the others are none.
+    // Only one of these is a rocket; the others, gliders, copters and a lost motor among them, are not.
     let is_launched = overview.notes.iter().any(|note| note.starts_with("launched by a rocket motor"));
     if is_launched != (kind == "AltusMetrum CSV") {
         return says("launched by a rocket motor", is_launched.to_string());
@@ -141,7 +142,7 @@ fn check(file: &Path, row: &[String]) -> Result<(), String> {
     if (share - used.parse::<f64>().unwrap()).abs() > 2.0 {
         return says("used", share.to_string());
     }
-    // What is said is what is done, by every way of replaying.
+    // The reported use is the actual use, for every kind of replay.
     let model = Model::default();
     let given = GivenTimes::default();
     for replay in [
@@ -154,7 +155,7 @@ fn check(file: &Path, row: &[String]) -> Result<(), String> {
             replay.extent().interval().and_then(|interval| interval.landing_s).unwrap_or(f64::INFINITY);
         let last_us = replay.inputs().map(|input| input.time_us).max().unwrap();
         let calibrated_s = replay.source().window().map_or(0.0, |window| window.end_s);
-        // Times of ticks are rounded to microseconds.
+        // Ticks are rounded to microseconds.
         if last_us as f64 * 1e-6 > landing_s + 1e-6 || calibrated_s > landing_s {
             return says(
                 "analysed after its landing",

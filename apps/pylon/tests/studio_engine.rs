@@ -1,4 +1,4 @@
-//! What the studio's engine says is what the command line says, byte for byte.
+//! The studio engine's results are the command line's, byte for byte.
 
 #![expect(clippy::unwrap_used, reason = "a test")]
 

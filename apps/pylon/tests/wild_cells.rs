@@ -1,5 +1,5 @@
-//! Cells that no aircraft makes, in a simulated flight's every column: a file in, the verdict and the
-//! sentence out. They change no verdict, and a coefficient by less than half a sigma, and are said.
+//! Implausible cells, in every column of a simulated flight: a file in, the verdict and the sentence out.
+//! They change no verdict, change a coefficient by less than half a sigma, and are reported.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
@@ -12,7 +12,7 @@ use pylon::simulate::{load_scenario, simulate};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// A value of each column that is an aircraft's at some other time, or none's.
+/// For each column a value that an aircraft has only at other times, or never.
 const WILD: [(Channel, f32); 14] = [
     (Channel::TasMps, 300.0),
     (Channel::TasMps, 1_000.0),
@@ -36,7 +36,7 @@ fn hidden() -> Flight {
     simulate(&scenario, scenario.seed).unwrap().0
 }
 
-/// The flight with so large a share of a column's cells, and at least one, of that value.
+/// The flight with this share of a column's cells, and at least one, set to that value.
 fn planted(mut flight: Flight, channel: Channel, value: f32, share: f64) -> Flight {
     let mut random = ChaCha8Rng::seed_from_u64(17);
     let column =
@@ -54,7 +54,8 @@ fn write(folder: &Path, name: &str, flight: &Flight) -> String {
     name.to_owned()
 }
 
-/// What is missing for the barometer, its coefficient and sigma; and what is missing for the others.
+/// The effects missing for the barometer, their coefficient and sigma; and those missing for the other
+/// sensors.
 fn verdict(folder: &Path, file: &str) -> (Vec<String>, [f64; 2], Vec<String>) {
     let text = stdout(folder, &["diagnose", "--json", file]);
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();

@@ -1,7 +1,7 @@
-//! The mission of the model that was compiled in: the workbench's, to the bit (`build.rs`).
+//! The mission of the compiled-in model, identical to the workbench's to the bit (`build.rs`).
 //!
 //! `kf-core`'s mission is generic, so it is compiled where its shape is known. That is here and not in
-//! `firmware`, so that the tick is compiled for speed and everything that runs seldom for size (`Cargo.toml`,
+//! `firmware`, so that the tick is compiled for speed and rarely run code for size (`Cargo.toml`,
 //! `[profile.firmware.package]`).
 #![no_std]
 #![forbid(unsafe_code)]
@@ -21,7 +21,7 @@ mod generated {
 
 pub use generated::FINGERPRINT;
 
-/// Where the model comes from.
+/// Origin of the model.
 pub const NAME: &str = env!("PYLON_MODEL_NAME");
 
 /// The mission of that model.
@@ -33,17 +33,17 @@ pub fn effects() -> [EffectId; generated::EFFECTS] {
     generated::mission_config().estimated_effects.map(|effect| effect.id())
 }
 
-/// Makes the mission before its first tick where it stays: it is too large to be moved over the stack.
-/// Compiled where it is called, for size.
+/// Makes the mission before its first tick in its final place, because it is too large to be moved over the
+/// stack. Compiled in its caller, for size.
 ///
 /// # Errors
-/// [`ConfigError`]: the model makes no mission.
+/// [`ConfigError`]: the model is not a valid mission.
 #[inline(always)]
 pub fn mission(place: &mut MaybeUninit<FlownMission>) -> Result<&mut FlownMission, ConfigError> {
     Ok(place.write(Mission::new(&generated::mission_config())?))
 }
 
-/// The mission, ticked by the code that is compiled in this crate.
+/// The mission, ticked by the code compiled in this crate.
 #[derive(Debug)]
 pub struct Flown<'a>(pub &'a mut FlownMission);
 

@@ -1,8 +1,8 @@
-//! The smallest image with the whole chain of a tick in it: the drivers of every chip, on buses that the
-//! compiler knows nothing about, and the mission.
+//! The smallest image that contains the whole chain of a tick: the drivers of every chip, on buses of which
+//! the compiler knows nothing, and the mission.
 //!
-//! It is never run. `budgets.toml` says which symbols must not be in it: what is linked here is what a tick
-//! needs, and a panic that a driver can reach would be among it. The receiver's driver is left out: the crate
+//! It is never run. `budgets.toml` lists the symbols that it must not contain: what is linked here is what a
+//! tick needs, including any panic that a driver can reach. The receiver's driver is left out: the crate
 //! `ublox` (0.10, its `parser/buffer.rs` and the fields of `nav_pvt/proto27.rs`) checks bounds that hold but
 //! that the compiler cannot prove.
 #![no_std]
@@ -28,7 +28,7 @@ use kf_core::strapdown;
 // The vector table needs every interrupt of the chip.
 use stm32f4xx_hal as _;
 
-/// A bus that delivers whatever the compiler cannot foresee.
+/// A bus whose data the compiler cannot foresee.
 struct Unknown;
 
 impl ErrorType for Unknown {
@@ -56,7 +56,7 @@ impl Read for Unknown {
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
         let length = buffer.len();
         black_box(buffer);
-        // As every port promises.
+        // Every port guarantees this.
         Ok(black_box(1_usize).min(length))
     }
 }

@@ -1,5 +1,5 @@
-//! Holds the copies and fills of memory against the same byte by byte: every length, at every place in a word
-//! where that is allowed, and nothing before or after. Only QEMU can run it.
+//! Compares copies and fills of memory with the same done byte by byte: every length, at every offset in a
+//! word that is allowed, and nothing before or after. Runs only in QEMU.
 #![no_std]
 #![no_main]
 
@@ -25,20 +25,20 @@ unsafe extern "C" {
     fn __aeabi_memclr8(to: *mut c_void, count: usize);
 }
 
-/// Bytes of a buffer; lengths are tried up to those that leave a word on each side.
+/// Size of a buffer, bytes; the longest lengths tried leave a word on each side.
 const BYTES: usize = 264;
 const BEFORE: usize = 8;
 const LONGEST: usize = BYTES - 2 * BEFORE;
-/// What the buffer is full of.
+/// Initial content of the buffer.
 const BEFOREHAND: u8 = 0xee;
 
-/// At whole double words.
+/// Aligned to double words.
 #[repr(align(8))]
 struct Buffer([u8; BYTES]);
 
 type Copy = unsafe extern "C" fn(*mut c_void, *const c_void, usize);
 
-/// The first length and places in a word at which a copy is none.
+/// The first length and offsets in a word at which a copy is wrong.
 fn first_wrong_copy(copy: Copy, places: usize) -> Option<[usize; 3]> {
     let from = Buffer(core::array::from_fn(|place| (place as u8).wrapping_mul(37).wrapping_add(11)));
     let tried =
@@ -46,8 +46,8 @@ fn first_wrong_copy(copy: Copy, places: usize) -> Option<[usize; 3]> {
     tried.into_iter().find(|&[count, to_place, from_place]| {
         let mut to = Buffer([BEFOREHAND; BYTES]);
         let (to_start, from_start) = (BEFORE + to_place, BEFORE + from_place);
-        // SAFETY: both pointers have at least `LONGEST - 4` bytes behind them, and are at whole double words
-        // where only place 0 is tried.
+        // SAFETY: both pointers have at least `LONGEST - 4` bytes behind them, and are aligned to double
+        // words if only offset 0 is tried.
         unsafe {
             copy(to.0.as_mut_ptr().add(to_start).cast(), from.0.as_ptr().add(from_start).cast(), count);
         }
@@ -58,7 +58,7 @@ fn first_wrong_copy(copy: Copy, places: usize) -> Option<[usize; 3]> {
     })
 }
 
-/// The first length at which a fill with that byte is none.
+/// The first length at which a fill with that byte is wrong.
 fn first_wrong_fill(fill: impl Fn(*mut c_void, usize), byte: u8) -> Option<[usize; 3]> {
     let wrong = (0..=LONGEST).find(|&count| {
         let mut to = Buffer([BEFOREHAND; BYTES]);
@@ -71,8 +71,8 @@ fn first_wrong_fill(fill: impl Fn(*mut c_void, usize), byte: u8) -> Option<[usiz
 
 #[entry]
 fn main() -> ! {
-    // SAFETY: `first_wrong_fill` gives a pointer at a whole double word with as many bytes behind it. Of an
-    // int, only the low byte counts.
+    // SAFETY: `first_wrong_fill` passes a pointer aligned to double words with as many bytes behind it. Only
+    // the low byte of the int is used.
     let wrong = unsafe {
         [
             ("memcpy", first_wrong_copy(__aeabi_memcpy, 4)),

@@ -1,7 +1,7 @@
-//! The smallest image with the mission's tick in it: what is linked here is what the tick needs.
+//! The smallest image that contains the mission's tick: what is linked here is what the tick needs.
 //!
-//! It is never run. `budgets.toml` says which symbols must not be in it (no panic, no soft-float double,
-//! no square root), for both shapes of the filter: the paper's, and the dense one with four effects.
+//! It is never run. `budgets.toml` lists the symbols that it must not contain (no panic, no soft-float
+//! double, no square root), for both shapes of the filter: the paper's, and the dense one with four effects.
 #![no_std]
 #![no_main]
 
@@ -18,7 +18,7 @@ use kf_core::mission::Mission;
 // The vector table needs every interrupt of the chip.
 use stm32f4xx_hal as _;
 
-/// A configuration that the compiler knows nothing about.
+/// A configuration of which the compiler knows nothing.
 fn configuration<const E: usize>() -> MissionConfig<E> {
     let number = || black_box(1.0);
     let sensor = || SensorConfig {
@@ -75,7 +75,7 @@ fn configuration<const E: usize>() -> MissionConfig<E> {
     }
 }
 
-/// Flies a mission on inputs that the compiler knows nothing about.
+/// Flies a mission on inputs of which the compiler knows nothing.
 fn fly<const HEAD: usize, const TAIL: usize, const E: usize>() {
     let Ok(mut mission) = Mission::<HEAD, TAIL, E>::new(&configuration::<E>()) else {
         return;

@@ -1,5 +1,5 @@
 //! The board, chosen by a feature: everything that differs between the flight computer and the two boards
-//! that fly a flight record. All have the same names here.
+//! that fly a flight record. The names are the same for all boards.
 
 #[cfg(any(
     all(feature = "board-f405", feature = "board-qemu"),
@@ -28,34 +28,34 @@ pub use recorded::{
 
 use crate::tick_timer::TickTimer;
 
-/// A board that runs.
+/// A started board.
 pub struct Board {
     /// The tick.
     pub timer: TickTimer,
-    /// Says when and whether there is a tick to run.
+    /// Decides whether there is a tick to run, and at what time.
     pub source: Source,
-    /// Brings input for the source.
+    /// Supplies input for the source.
     pub feeder: Feeder,
     /// The sensors.
     pub sensors: Sensors,
-    /// Whether they are a recording's, which knows when the vehicle left and the altitude of its inertial
-    /// unit.
+    /// Whether they are those of a recording, which already contains the launch and the inertial unit's
+    /// altitude.
     pub is_recording: bool,
-    /// Where results go.
+    /// Output for results.
     pub sink: Sink,
-    /// Where the telemetry goes.
+    /// Output for telemetry.
     pub line: Line,
     /// The watchdog.
     pub watchdog: Watchdog,
 }
 
-/// What a timer tick is for.
+/// The purpose of a timer tick.
 pub enum Next {
-    /// Run the mission; the sensors have what is new at this time, microseconds.
+    /// Run the mission; the sensors have new samples up to this time, microseconds.
     Tick(u64),
-    /// Input is late: wait.
+    /// Wait: input is late.
     Underrun,
-    /// Results have no room: wait.
+    /// Wait: there is no room for results.
     Stall,
     /// There is no more input.
     End,

@@ -15,43 +15,44 @@ use model::Model;
 use pylon::replay::Replay;
 use serde::Serialize;
 
-/// Fly simulated flights with hidden effects, diagnose them blind, and count how often that is right.
+/// Fly simulated flights with hidden effects, diagnose them blind, and count how often the diagnosis is
+/// right.
 #[derive(Debug, Parser)]
 #[command(name = "blind")]
 struct Arguments {
-    /// How many trials.
+    /// Number of trials.
     #[arg(default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     trials: u64,
-    /// The first trial's seed; each further one's is one more.
+    /// Seed of the first trial; each further trial adds one.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The generator: `pylon simulate`, or one that shares nothing with it.
     #[arg(long, value_enum, default_value_t)]
     family: Family,
-    /// Print every trial's scenario and diagnosis as well.
+    /// Also print every trial's scenario and diagnosis.
     #[arg(long, short)]
     verbose: bool,
-    /// Only the tables, not a line for every trial.
+    /// Print only the tables, without a line for every trial.
     #[arg(long, short)]
     quiet: bool,
-    /// Write what the diagnosis worked on, and what was true, to this folder: for other methods to try.
+    /// Write the diagnosis's inputs and the truth to this folder, for other methods to try.
     #[arg(long, value_name = "FOLDER")]
     dump: Option<PathBuf>,
 }
 
-/// A trial as other methods need it.
+/// A trial in the form that other methods need.
 #[derive(Serialize)]
 struct Dumped<'a> {
     seed: u64,
     /// The effects that acted.
     truth: Vec<&'a str>,
-    /// The strongest of them, if it counts: over twice the noise, on a flight that excites.
+    /// The strongest of them, if it counts: more than twice the noise, on a flight that excites.
     strongest: Option<&'a str>,
-    /// Whether nothing was wrong with a sensor.
+    /// Whether no sensor had an error.
     is_null: bool,
-    /// What Pylon is sure of.
+    /// Effects that Pylon identifies.
     identified: Vec<&'a str>,
-    /// Whether Pylon names the strongest, or a set that holds it.
+    /// Whether Pylon identifies the strongest effect, or a set that contains it.
     is_held: bool,
 }
 
@@ -125,7 +126,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Flies and diagnoses a case, and writes what the diagnosis worked on.
+/// Flies and diagnoses a case, and writes the diagnosis's inputs.
 fn one(case: Case, folder: Option<&Path>) -> anyhow::Result<Trial> {
     if let Some(folder) = folder {
         let model = Model::default();

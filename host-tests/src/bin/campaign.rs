@@ -18,46 +18,46 @@ use kf_core::sensor::Sensor;
 
 /// The page that `--write` writes the tables into.
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/fault-campaign.md");
-/// They lie between these lines of it.
+/// The tables lie between these lines of the page.
 const BEGIN: &str = "<!-- tables: written by `cargo xtask campaign --write` -->";
 const END: &str = "<!-- end of the tables -->";
-/// So many guards must be noticed when they are taken out.
+/// Number of guards whose removal must be noticed.
 const MUTANTS: usize = 10;
 
-/// Fly random flights with random faults, and hold each against the same flight without them.
+/// Fly random flights with random faults, and compare each with the same flight without them.
 #[derive(Debug, Parser)]
 #[command(name = "campaign", bin_name = "cargo xtask campaign")]
 struct Arguments {
-    /// How many runs.
+    /// Number of runs.
     #[arg(default_value_t = 1_000)]
     runs: u64,
-    /// The campaign's seed.
+    /// Seed of the campaign.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Fly this run alone, and print what was drawn and what came of it.
+    /// Fly only this run, and print what was drawn and the result.
     #[arg(long)]
     run: Option<u64>,
-    /// And write what was seen of both its flights, tick by tick, as CSV.
+    /// Also write what was observed of both its flights, tick by tick, as CSV.
     #[arg(long, value_name = "FILE", requires = "run")]
     trace: Option<PathBuf>,
-    /// Take out each guard in turn, and fail unless the campaign reports it.
+    /// Remove each guard in turn, and fail unless the campaign reports it.
     #[arg(long)]
     mutants: bool,
     /// Write the tables into docs/fault-campaign.md.
     #[arg(long)]
     write: bool,
-    /// Fail for what this list does not name, and for what it names and does not happen any more, instead of
-    /// for any violation.
+    /// Fail for violations that this list does not name, and for listed ones that no longer happen, instead
+    /// of for any violation.
     #[arg(long, value_name = "FILE")]
     known: Option<PathBuf>,
-    /// Write the list anew from this campaign.
+    /// Rewrite the list from this campaign.
     #[arg(long, requires = "known")]
     accept: bool,
 }
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    // A panic is a finding, and is told with the others.
+    // A panic is a finding, and is reported with the others.
     std::panic::set_hook(Box::new(|_| ()));
     let outcome = match arguments.run {
         Some(index) => detail(arguments.seed, index, arguments.trace.as_deref()),
@@ -119,7 +119,7 @@ fn campaign(arguments: &Arguments) -> anyhow::Result<bool> {
     Ok(changes.is_empty())
 }
 
-/// One line a violation.
+/// One line per violation.
 fn lines(seed: u64, case: &Case, verdict: &Verdict) -> Vec<String> {
     let names: Vec<_> =
         case.faults.iter().map(|fault| format!("{} ({})", fault.name, fault.phase.name())).collect();
@@ -135,7 +135,7 @@ fn lines(seed: u64, case: &Case, verdict: &Verdict) -> Vec<String> {
     verdict.violations.iter().map(line).collect()
 }
 
-/// The guards whose absence the campaign notices.
+/// The guards whose removal the campaign notices.
 fn mutants(seed: u64, cases: &[Case], verdicts: &[Verdict]) -> anyhow::Result<Vec<Guard>> {
     let mut noticed = Vec::new();
     println!("| guard taken out | runs | of these report it | first |\n|---|---|---|---|");

@@ -1,4 +1,4 @@
-//! Long and many flights through the emulated flight computer: `cargo xtask endurance`.
+//! Many flights, and long ones, through the emulated flight computer: `cargo xtask endurance`.
 
 use std::process::ExitCode;
 
@@ -12,8 +12,8 @@ use model::Model;
 use pylon::fly::{FlyOptions, FlyReport, SensorSource, fly, fly_inputs};
 use pylon::replay::Replay;
 
-/// Fly long and many simulated flights through the emulated flight computer, every tick bit for bit the
-/// host's.
+/// Fly long simulated flights, and many, through the emulated flight computer, and compare every tick with
+/// the host's, bit for bit.
 #[derive(Debug, Parser)]
 #[command(name = "endurance")]
 struct Arguments {
@@ -25,16 +25,16 @@ struct Arguments {
 enum Job {
     /// Hours of captive flight without a pause, then a launch.
     Captive {
-        /// How many hours.
+        /// Number of hours.
         #[arg(long, default_value_t = 10.0)]
         hours: f64,
     },
-    /// Random flights of the blind trials, by the sensors' chips.
+    /// Random flights of the blind trials, on models of the sensors' chips.
     Random {
-        /// How many.
+        /// Number of flights.
         #[arg(long, default_value_t = 50)]
         flights: u64,
-        /// The first one's seed; each further one's is one more.
+        /// Seed of the first flight; each further flight adds one.
         #[arg(long, default_value_t = 1)]
         seed: u64,
     },
@@ -82,7 +82,7 @@ fn captive(hours: f64) -> anyhow::Result<()> {
             sensor.name(),
             latched.bias_m
         );
-        // The chance of more is one in 16,000.
+        // The chance of a larger one is one in 16,000.
         ensure!(off.abs() < 4.0, "the bias has drifted");
     }
     Ok(())
@@ -95,7 +95,7 @@ fn random(flights: u64, seed: u64) -> anyhow::Result<()> {
     let model = Model::default();
     let (mut flown, mut ticks, mut latched, mut next) = (0, 0_u64, 0, seed);
     while flown < flights {
-        // A plan that the aircraft can't fly is none; the next seed has another.
+        // A plan that the aircraft can't fly does not count; the next seed has another.
         let trial = fly_trial(&draw(Family::Dynamic, next), 0);
         next += 1;
         let Ok(trial) = trial else { continue };

@@ -7,21 +7,20 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use clap::Parser;
 use host_tests::laws::{Trial, draw, dump, run, table};
 
-/// Fly simulated flights with a hidden law, search for it blind, and count how often that is right.
+/// Fly simulated flights with a hidden law, search for it blind, and count how often the search is right.
 #[derive(Debug, Parser)]
 #[command(name = "laws")]
 struct Arguments {
-    /// How many trials.
+    /// Number of trials.
     #[arg(default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     trials: u64,
-    /// The first trial's seed; each further one's is one more.
+    /// Seed of the first trial; each further trial adds one.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Write what is searched, and what was true, to this folder, and search nothing: for other methods to
-    /// try.
+    /// Write the search's inputs and the truth to this folder, without searching: for other methods to try.
     #[arg(long, value_name = "FOLDER")]
     dump: Option<PathBuf>,
-    /// Only the table, not a line for every trial.
+    /// Print only the table, without a line for every trial.
     #[arg(long, short)]
     quiet: bool,
 }
@@ -31,7 +30,7 @@ fn main() -> anyhow::Result<()> {
     if let Some(folder) = &arguments.dump {
         std::fs::create_dir_all(folder)?;
         for seed in arguments.seed..arguments.seed.saturating_add(arguments.trials) {
-            // A plan that the aircraft can't fly is no trial for anybody.
+            // A plan that the aircraft can't fly is not a trial.
             if let Err(error) = dump(&draw(seed), folder) {
                 println!("{seed:>5} not flown: {error}");
             }

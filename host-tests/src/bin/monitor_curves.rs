@@ -7,17 +7,17 @@ use anyhow::Context as _;
 use clap::Parser;
 use host_tests::monitor_curves::page::page;
 
-/// Compare rules for the monitor on the same residuals, and write docs/monitor-rules.md and its picture.
+/// Compare rules for the monitor on the same residuals, and write docs/monitor-rules.md with its picture.
 #[derive(Debug, Parser)]
 #[command(name = "monitor_curves")]
 struct Arguments {
-    /// Seed of the made residuals.
+    /// Seed of the generated residuals.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Launches of each made residual.
+    /// Number of launches for each generated residual.
     #[arg(long, default_value_t = 2_000, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     launches: u32,
-    /// Folder that both are written to.
+    /// Folder for both files.
     #[arg(long, default_value = "docs")]
     folder: PathBuf,
 }

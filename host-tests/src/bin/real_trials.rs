@@ -5,26 +5,26 @@ use host_tests::real_trials::{Case, Half, Log, Outcome, logs, of_log, reliabilit
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
-/// Diagnose real logs, flights made of their tracks, and both with one effect added, and count how often that
-/// is right.
+/// Diagnose real logs, flights generated from their tracks, and both with one effect added, and count how
+/// often the diagnosis is right.
 #[derive(Debug, Parser)]
 #[command(name = "real_trials")]
 struct Arguments {
-    /// Which half of the logs.
+    /// Half of the logs to use.
     #[arg(long, value_enum, default_value_t = HalfName::Development)]
     half: HalfName,
-    /// Only logs whose name has this in it.
+    /// Only logs whose name contains this text.
     #[arg(long, value_name = "TEXT")]
     log: Option<String>,
-    /// Print every diagnosis as well.
+    /// Also print every diagnosis.
     #[arg(long, short)]
     verbose: bool,
-    /// Only the tables, not a line for every trial.
+    /// Print only the tables, without a line for every trial.
     #[arg(long, short)]
     quiet: bool,
 }
 
-/// The halves by their names on the command line.
+/// The halves, by their names on the command line.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum HalfName {
     Development,

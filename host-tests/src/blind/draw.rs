@@ -1,4 +1,4 @@
-//! What a trial is made of, drawn by its seed.
+//! Draws the content of a trial from its seed.
 
 use std::fmt::Write as _;
 
@@ -11,15 +11,15 @@ use super::outside::Outside;
 /// What is hidden in a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// Nothing at all.
+    /// Nothing.
     Null,
     /// Effects of the catalogue: id, time constant (s), and size over the residual's noise.
     Effects(Vec<(EffectId, Option<f64>, f64)>),
-    /// Something that is not in the catalogue, and its size over the residual's noise.
+    /// A cause that is not in the catalogue, and its size over the residual's noise.
     Outside(Outside, f64),
     /// A receiver that filters its altitude with this time constant, s.
     SmoothedGps(f64),
-    /// A receiver whose altitude jumps by so many metres and comes back.
+    /// A receiver whose altitude jumps by this many metres and returns.
     Glitch(f64),
 }
 
@@ -30,21 +30,21 @@ pub enum Plan {
     Rich,
     /// Two or three manoeuvres.
     Poor,
-    /// Straight and level.
+    /// Straight and level flight.
     Level,
 }
 
-/// Which generator flies a trial.
+/// The generator that flies a trial.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Family {
     /// `pylon simulate`: forces move the aircraft; the noise is the estimator's own.
     #[default]
     Dynamic,
-    /// Another path, the effects by their physics, and noise that the estimator does not assume.
+    /// Other motion, the effects by their physics, and noise that the estimator does not assume.
     Kinematic,
 }
 
-/// A trial before it is flown.
+/// A trial before its flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Its generator.
@@ -55,7 +55,7 @@ pub struct Case {
     pub kind: Kind,
     /// How rich the flight is.
     pub plan: Plan,
-    /// The scenario, without effects; the kinematic family has only a name there.
+    /// The scenario, without effects; for the kinematic family it contains only a name.
     pub scenario: String,
     /// Columns that were not recorded.
     pub missing: Vec<&'static str>,
@@ -128,7 +128,7 @@ pub(super) fn kind(random: &mut impl Rng) -> Kind {
 
 type ChaCha = ChaCha8Rng;
 
-/// Groups of columns that a flight may lack, with the chance in a hundred.
+/// Groups of columns that a flight may lack, with the chance per hundred.
 const MAY_BE_MISSING: [(&[&str], u32); 6] = [
     (&["aoa_rad", "sideslip_rad"], 15),
     (&["tas_mps"], 8),
@@ -138,7 +138,7 @@ const MAY_BE_MISSING: [(&[&str], u32); 6] = [
     (&["imu_master_alt_m"], 20),
 ];
 
-/// Draws the columns that were not recorded, of groups that a flight may lack with a chance in a hundred.
+/// Draws the columns that were not recorded, from groups that a flight may lack with a chance per hundred.
 pub(super) fn missing(may_be: &[(&'static [&'static str], u32)], random: &mut impl Rng) -> Vec<&'static str> {
     let mut missing: Vec<&'static str> = Vec::new();
     for (columns, chance) in may_be {
@@ -160,7 +160,7 @@ pub(crate) fn scenario(random: &mut impl Rng, plan: Plan, seed: u64) -> String {
     };
     let speed = random.random_range(24.0..34.0);
     let captive_s = random.random_range(60.0..180.0);
-    // A mother ship in a deep phugoid sweeps its speed.
+    // A mother ship in a deep phugoid sweeps the speed.
     let sweeps = random.random_range(0..100) < 12;
     let amplitude = if sweeps { random.random_range(12.0..25.0) } else { random.random_range(0.0..4.0) };
     put(&format!("name = \"blind {seed}\"\nseed = {seed}\nlatitude_deg = 45.0"));
@@ -221,7 +221,7 @@ pub(crate) fn scenario(random: &mut impl Rng, plan: Plan, seed: u64) -> String {
     text
 }
 
-/// One manoeuvre; climbs follow dives often enough that the aircraft stays in the air.
+/// One manoeuvre; climbs follow dives often enough to keep the aircraft in the air.
 fn segment(random: &mut impl Rng, cruise: f64) -> String {
     let duration_s = random.random_range(8.0..25.0);
     let (name, extra) = match random.random_range(0..8) {

@@ -15,20 +15,18 @@ use super::outside::Outside;
 /// A flown trial.
 #[derive(Clone, Debug)]
 pub struct Flown {
-    /// What the diagnosis sees.
+    /// The flight that the diagnosis sees.
     pub flight: Flight,
-    /// The effects that were injected, with the rms in metres that each makes in free flight, the largest
-    /// first.
+    /// The injected effects, with the rms in metres that each causes in free flight, the largest first.
     pub effects: Vec<(Effect, f64)>,
     /// The residual's noise in free flight, rms, metres.
     pub noise_m: f64,
 }
 
-/// Flies a case; a second flight of the same case, with the same coefficients in other air, has another
-/// `number`.
+/// Flies a case. Another `number` gives a second flight of the same case: the same coefficients in other air.
 ///
 /// # Errors
-/// When the aircraft can't fly the plan, or a column is not there.
+/// If the aircraft can't fly the plan, or a column is missing.
 pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     match case.family {
         Family::Dynamic => dynamic(case, number),
@@ -40,7 +38,7 @@ fn dynamic(case: &Case, number: u64) -> anyhow::Result<Flown> {
     let mut scenario = Scenario::from_toml(&case.scenario, "blind")?;
     let first = case.seed.wrapping_mul(1000);
     let seed = first.wrapping_add(number);
-    // The coefficients are made from the first flight's path, whichever is flown.
+    // The coefficients are always computed from the first flight's path.
     let (_, truth) = simulate(&scenario, first).map_err(|error| anyhow::anyhow!("{error}"))?;
     let baro = &scenario.sensors.baro.noise;
     let gps = &scenario.sensors.gps.noise;
@@ -62,7 +60,7 @@ fn dynamic(case: &Case, number: u64) -> anyhow::Result<Flown> {
                     continue;
                 }
                 let sign = if random.random::<bool>() { 1.0 } else { -1.0 };
-                // Nature sets a limit; a level flight can't be made to show everything.
+                // Nature limits the coefficient; a level flight can't be made to show everything.
                 let coefficient = natural(*id, sign * size * noise_m / spread, &mut random);
                 effects.push((Effect { coefficient, ..unit }, coefficient.abs() * spread));
             }
@@ -96,7 +94,7 @@ pub(super) fn unit(id: EffectId, time_constant_s: Option<f64>) -> Effect {
     Effect { id, coefficient: 1.0, phase: phase(id), time_constant_s, width_m: None }
 }
 
-/// Adds a cause from outside of the catalogue, with that rms in free flight, metres.
+/// Adds a cause from outside the catalogue, with that rms in free flight, metres.
 pub(super) fn add_outside(
     flight: &mut Flight,
     truth: &[TruthSample],
@@ -110,7 +108,7 @@ pub(super) fn add_outside(
     add(flight, channel, &shape, scale)
 }
 
-/// Adds a jump of the receiver's that comes back within seconds, somewhere in free flight.
+/// Adds a jump of the receiver that ends within seconds, somewhere in free flight.
 pub(super) fn add_glitch(
     flight: &mut Flight,
     truth: &[TruthSample],
@@ -125,7 +123,8 @@ pub(super) fn add_glitch(
     add(flight, Channel::GpsAltM, &shape, jump_m)
 }
 
-/// A drawn coefficient if nature allows it, else one that she does, of its sign if there is any.
+/// The drawn coefficient if nature allows it; otherwise one within nature's limits, with the same sign where
+/// that is possible.
 pub(super) fn natural(id: EffectId, drawn: f64, random: &mut impl Rng) -> f64 {
     let known = kf_core::effect::EffectId::from_name(id.name());
     let [least, most] = known.map_or([-1.0, 1.0], kf_core::effect::EffectId::plausible).map(f64::from);
@@ -134,7 +133,7 @@ pub(super) fn natural(id: EffectId, drawn: f64, random: &mut impl Rng) -> f64 {
     if (least..=most).contains(&drawn) { drawn } else { limit * random.random_range(0.3..1.0) }
 }
 
-/// The phase in which an effect acts by the catalogue's definition of its clock.
+/// The phase in which an effect acts, by the catalogue's definition of its clock.
 const fn phase(id: EffectId) -> InjectionPhase {
     match id {
         EffectId::BaroWarmUp
@@ -151,7 +150,7 @@ const fn phase(id: EffectId) -> InjectionPhase {
     }
 }
 
-/// Rms of a shape in free flight about its mean in captive flight.
+/// Rms of a shape in free flight, about its mean in captive flight.
 pub(crate) fn spread(shape: &[f64], flight: &[TruthSample]) -> f64 {
     let of = |captive: bool| {
         shape.iter().zip(flight).filter(move |(_, sample)| sample.captive == captive).map(|(value, _)| *value)
@@ -162,7 +161,7 @@ pub(crate) fn spread(shape: &[f64], flight: &[TruthSample]) -> f64 {
     (of(false).map(|value| (value - origin).powi(2)).sum::<f64>() / free).sqrt()
 }
 
-/// Adds metres to a column; pressure falls by what the air's weight makes of them.
+/// Adds metres to a column; a pressure falls by their weight of air.
 pub(crate) fn add(flight: &mut Flight, channel: Channel, shape: &[f64], scale: f64) -> anyhow::Result<()> {
     let column = flight.channel(channel).with_context(|| channel.name())?;
     let mut changed = Column::with_capacity(column.len());
@@ -171,7 +170,7 @@ pub(crate) fn add(flight: &mut Flight, channel: Channel, shape: &[f64], scale: f
             if channel == Channel::BaroPa {
                 let altitude_m = kf_core::atmosphere::pressure_altitude_m(value).map_or(f64::NAN, f64::from);
                 let target_m = altitude_m + scale * metres;
-                // The standard atmosphere's pressure at an altitude, by its own inverse.
+                // The standard atmosphere's pressure at an altitude, by inverting its altitude.
                 (101_325.0 * (1.0 - target_m / 44_330.769).powf(5.255_88)) as f32
             } else {
                 value + (scale * metres) as f32

@@ -1,5 +1,5 @@
-//! What adding the identified effects does to the error of the next flight, beside what knowing the truth
-//! does.
+//! How much adding the identified effects reduces the error of the next flight, compared with knowing the
+//! truth.
 
 use std::fmt::Write as _;
 
@@ -13,34 +13,34 @@ use pylon::replay::Replay;
 use pylon::simulate::scenario::{Effect, InjectionPhase};
 use time::{Date, Month};
 
-/// Root mean square errors in free flight of the sensors concerned, on a flight that nothing was learned
-/// from, metres.
+/// Root mean square errors in free flight of the sensors concerned, on a flight that was not learned from,
+/// metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Improvement {
-    /// With the model that lacks the effects.
+    /// With the model without the effects.
     pub before_m: f64,
     /// With what `pylon add` learned from the first flight.
     pub after_m: f64,
-    /// With every effect that was injected, and its true coefficient.
+    /// With every injected effect at its true coefficient.
     pub oracle_m: f64,
     /// Whether every injected effect was identified.
     pub is_complete: bool,
-    /// Identified effects that `pylon add` would not add without being forced to; they were not.
+    /// Identified effects that `pylon add` refuses to add unless forced; they were not added.
     pub refused: usize,
 }
 
 impl Improvement {
-    /// The learned model's error over the oracle's.
+    /// Ratio of the learned model's error to the oracle's.
     #[must_use]
     pub fn ratio(&self) -> f64 {
         self.after_m / self.oracle_m
     }
 }
 
-/// Learns the identified effects from one flight, one by one, and flies another with them.
+/// Learns the identified effects from one flight, one by one, and flies another flight with them.
 ///
 /// # Errors
-/// A flight or model that no mission can be made of.
+/// If no mission can be made of a flight or model.
 pub fn improvement(
     learning: &Flight,
     next: &Flight,
@@ -71,7 +71,7 @@ pub fn improvement(
             .iter()
             .filter_map(|effect| Some(EffectId::from_name(effect.id.name())?.subject()))
             .collect();
-        // An error of the reference is in every sensor; otherwise only the sensors that were given one count.
+        // An error of the reference is in every sensor; otherwise only the sensors with an effect count.
         let concerned = scores.into_iter().filter(|(sensor, _)| {
             subjects.iter().any(|subject| match subject {
                 EffectSubject::Gps => true,
@@ -91,7 +91,7 @@ pub fn improvement(
     })
 }
 
-/// The model that knows the truth.
+/// The model with the true coefficients.
 fn oracle(injected: &[Effect]) -> String {
     let mut text = String::new();
     for effect in injected {
@@ -106,7 +106,7 @@ fn oracle(injected: &[Effect]) -> String {
     text
 }
 
-/// The improvements of many trials as lines of a table.
+/// The improvements of many trials, as lines of a table.
 #[must_use]
 pub fn lines(improvements: &[Improvement]) -> String {
     let mut text = String::new();

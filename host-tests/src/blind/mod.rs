@@ -1,8 +1,8 @@
 //! Blind trials: flights with hidden effects, and how often the diagnosis is right about them.
 //!
-//! The generator draws the flight plan, the air, the sensors' noise, which signals are recorded, and what is
-//! wrong: nothing, one to three effects of the catalogue, something outside of it, or a receiver that
-//! misbehaves. The diagnosis sees the flight alone. All flights are simulated.
+//! The generator draws the flight plan, the air, the sensors' noise, the recorded signals, and what is wrong:
+//! nothing, one to three effects of the catalogue, a cause outside it, or a faulty receiver. The diagnosis
+//! sees only the flight. All flights are simulated.
 
 pub(crate) mod draw;
 pub(crate) mod flight;

@@ -2,7 +2,7 @@
 
 use pylon::simulate::TruthSample;
 
-/// A cause outside of the catalogue. All act on the barometer but the last.
+/// A cause outside the catalogue. All but the last act on the barometer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outside {
     /// The sensor's elastic hysteresis: a play of 30 m on the altitude.
@@ -11,20 +11,20 @@ pub enum Outside {
     Bank,
     /// The sine of the heading: a field of the vehicle's magnetism, or the sun.
     Heading,
-    /// A lasting step halfway through: a hose that came off.
+    /// A lasting step halfway through: a detached hose.
     Step,
     /// The pitch rate: a hose along the fuselage.
     PitchRate,
     /// The square of the roll rate.
     RollRate,
-    /// A sine of a minute: nothing that is recorded.
+    /// A sine with a period of a minute, unrelated to any recorded signal.
     Oscillation,
     /// On the inertial altitude: the roll angle, integrated.
     Roll,
 }
 
 impl Outside {
-    /// All of them.
+    /// All causes.
     pub const ALL: [Self; 8] = [
         Self::Hysteresis,
         Self::Bank,

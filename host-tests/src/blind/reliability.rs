@@ -1,4 +1,4 @@
-//! Whether the probabilities of these trials are right.
+//! Whether the probabilities reported in these trials are right.
 
 use kf_core::effect::EffectId;
 
@@ -6,8 +6,8 @@ use super::draw::Kind;
 use super::trial::Trial;
 use crate::reliability::diagram;
 
-/// The effects of flights in which nothing but the catalogue acts, by the probability that was said of each:
-/// of one that is identified, and of those of a set.
+/// The effects of flights in which only the catalogue's effects act, by the reported probability of each: of
+/// an identified effect, and of those in a set.
 #[must_use]
 pub fn reliability(trials: &[Trial]) -> String {
     let mut said: Vec<(f64, bool)> = Vec::new();

@@ -5,12 +5,12 @@ use pylon::diagnose::Verdict;
 use super::draw::{Kind, Plan};
 use super::trial::Trial;
 
-/// A count of trials out of those that it applies to.
+/// Number of hits among the trials that it applies to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
-    /// Those in which it was so.
+    /// Number of hits.
     pub hits: usize,
-    /// All.
+    /// Number of those trials.
     pub of: usize,
 }
 
@@ -20,14 +20,14 @@ impl Share {
         self.of += 1;
     }
 
-    /// As a share; one where there is no trial.
+    /// As a share; one if there is no trial.
     #[must_use]
     pub fn value(&self) -> f64 {
         if self.of == 0 { 1.0 } else { self.hits as f64 / self.of as f64 }
     }
 
-    /// A score's line: what it is, padded to so many characters, in per cent, and what is wanted of it. Of no
-    /// trial there is no per cent.
+    /// A line of the score: its name, padded to this many characters, its percentage, and the target. Without
+    /// trials there is no percentage.
     pub(crate) fn line(&self, what: &str, width: usize, wanted: &str) -> String {
         let rate = if self.of == 0 { "-".to_owned() } else { format!("{:.1} %", 100.0 * self.value()) };
         format!("{what:<width$} {rate:>8}  ({} of {})  {wanted}\n", self.hits, self.of)
@@ -37,27 +37,27 @@ impl Share {
 /// The rates that the project promises.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Score {
-    /// Strongest effect identified or in a set, of flights in which it moves the residual by more than twice
-    /// its noise.
+    /// Strongest effect identified or in a set, among flights in which it moves the residual by more than
+    /// twice its noise.
     pub strongest_held: Share,
     /// Of those, identified outright.
     pub strongest_identified: Share,
-    /// A wrong effect called identified, of all trials.
+    /// A wrong effect reported as identified, among all trials.
     pub wrong: Share,
-    /// Null flights and flights with a glitch that are called quiet.
+    /// Null flights and flights with a glitch that are reported as quiet.
     pub null_quiet: Share,
-    /// Causes outside of the catalogue, more than twice the noise, called unknown.
+    /// Causes outside the catalogue, more than twice the noise, reported as unknown.
     pub outside_unknown: Share,
-    /// Causes outside of the catalogue taken for one inside.
+    /// Causes outside the catalogue taken for one inside.
     pub outside_wrong: Share,
     /// Coefficients within 1.96 sigma of the truth.
     pub covered: Share,
-    /// Receivers that filter their altitude, and what is said of them is the receiver's.
+    /// Receivers that filter their altitude, where any identified effect is the receiver's.
     pub smoothed_on_gps: Share,
 }
 
 impl Score {
-    /// Of these trials.
+    /// Counts these trials.
     #[must_use]
     pub fn of(trials: &[Trial]) -> Self {
         let mut score = Self::default();

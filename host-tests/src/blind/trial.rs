@@ -9,25 +9,25 @@ use super::draw::{Case, Kind};
 use super::flight::{Flown, fly};
 use super::improvement::{Improvement, improvement};
 
-/// How a trial ended.
+/// Result of a trial.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// What was drawn.
+    /// The case drawn.
     pub case: Case,
-    /// Names of the injected effects and their rms in free flight over the residual's noise, the strongest
+    /// Names of the injected effects, and their rms in free flight over the residual's noise, the strongest
     /// first.
     pub truth: Vec<(&'static str, f64)>,
     /// The diagnosis.
     pub diagnosis: Diagnosis,
-    /// Deviations of the coefficients of identified effects from the truth, in their sigmas.
+    /// Deviations of the identified effects' coefficients from the truth, in their sigmas.
     pub deviations: Vec<f64>,
-    /// What adding the identified effects does to another flight of the same aircraft; `None` where none was
+    /// Effect of adding the identified effects on another flight of the same aircraft; `None` where none was
     /// injected or none identified.
     pub improvement: Option<Improvement>,
 }
 
 impl Trial {
-    /// Ids that the diagnosis is sure of.
+    /// Ids of the identified effects.
     #[must_use]
     pub fn identified(&self) -> Vec<&'static str> {
         self.diagnosis
@@ -37,19 +37,19 @@ impl Trial {
             .collect()
     }
 
-    /// Whether it is sure of an effect that does not act.
+    /// Whether an effect is identified that does not act.
     #[must_use]
     pub fn is_wrong(&self) -> bool {
         self.identified().iter().any(|id| !self.truth.iter().any(|(true_id, _)| true_id == id))
     }
 
-    /// Whether an effect is identified, or in a set that can't be told apart.
+    /// Whether an effect is identified, or in a set that can't be distinguished.
     #[must_use]
     pub fn holds(&self, id: &str) -> bool {
         self.diagnosis.missing().chain(self.diagnosis.suspects()).any(|said| said == id)
     }
 
-    /// Whether any sensor's verdict is this.
+    /// Whether any sensor has this verdict.
     #[must_use]
     pub fn has_verdict(&self, verdict: Verdict) -> bool {
         self.diagnosis.sensors.values().any(|sensor| sensor.verdict == verdict)
@@ -59,7 +59,7 @@ impl Trial {
 /// Runs a case.
 ///
 /// # Errors
-/// When the aircraft can't fly the plan.
+/// If the aircraft can't fly the plan.
 pub fn run(case: Case) -> anyhow::Result<Trial> {
     let Flown { flight, effects, noise_m } = fly(&case, 0)?;
     let model = Model::default();
@@ -69,7 +69,7 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
     let mut truth: Vec<(&'static str, f64)> =
         effects.iter().map(|(effect, size_m)| (effect.id.name(), size_m / noise_m)).collect();
     if let Kind::SmoothedGps(_) = case.kind {
-        // A low pass is, for slow motions, a delay.
+        // For slow motions, a low pass acts as a delay.
         truth.push((EffectId::GpsLatency.name(), 0.0));
     }
     let mut deviations = Vec::new();

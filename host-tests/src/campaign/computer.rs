@@ -1,4 +1,4 @@
-//! The flight computer on the host, with the memory that a reset leaves alone and a supply that dips.
+//! The flight computer on the host, with memory that survives a reset, and a supply that dips.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -19,7 +19,7 @@ use super::fault::{Boundary, Dip};
 /// The default model's mission.
 pub type FlownMission = Mission<0, 4, 0>;
 
-/// Any will do: there is one model.
+/// Any value will do: there is only one model.
 const FINGERPRINT: u64 = 0x5a5a;
 
 /// Counts the operations on the chips' ports.
@@ -27,7 +27,7 @@ const FINGERPRINT: u64 = 0x5a5a;
 pub struct Work(Rc<Cell<u32>>);
 
 impl Work {
-    /// Those since it was last asked.
+    /// Returns the operations since the last call.
     pub fn take(&self) -> u32 {
         self.0.replace(0)
     }
@@ -48,15 +48,15 @@ pub struct Computer {
     pub work: Work,
     config: MissionConfig<0>,
     memory: RetainedImage,
-    /// `None`: it has no mission any more.
+    /// `None` once it has no mission any more.
     run: Option<Interruptible<ModelledSuite<Work>, FlownMission>>,
 }
 
 impl Computer {
-    /// Switched on for the first time.
+    /// Makes a computer that is switched on for the first time.
     ///
     /// # Errors
-    /// The model makes no mission.
+    /// The model does not make a mission.
     pub fn new(config: &MissionConfig<0>) -> Result<Self> {
         let work = Work::default();
         let sensors = ModelledSuite::new(&work);
@@ -95,21 +95,21 @@ impl Computer {
         self.run.as_ref().map(|run| &run.computer.mission)
     }
 
-    /// A fault of a chip begins, or ends.
+    /// Begins or ends a fault of a chip.
     pub fn inject(&mut self, event: ChipFault) {
         if let Some(run) = &mut self.run {
             run.computer.sensors.inject(event);
         }
     }
 
-    /// How much further the receiver's clock is than the flight computer's, microseconds.
+    /// Sets the lead of the receiver's clock over the flight computer's, microseconds.
     pub fn set_receivers_lead(&mut self, lead_us: i64) {
         if let Some(run) = &mut self.run {
             run.computer.sensors.set_receivers_lead(lead_us);
         }
     }
 
-    /// One tick, and what the task below it keeps; with a dip, up to that.
+    /// Runs one tick and the task below it that keeps a snapshot; with a dip, only up to the dip.
     pub fn tick(&mut self, input: &TickInput, dip: Option<&Dip>) -> Option<Step> {
         let Self { memory, run, .. } = self;
         let run = run.as_mut()?;
@@ -130,10 +130,10 @@ impl Computer {
         Some(step)
     }
 
-    /// The supply comes back, or a crash has reset the processor: how the flight computer starts.
+    /// Starts the flight computer after the supply has come back, or a crash has reset the processor.
     ///
     /// # Errors
-    /// The model makes no mission, or there is none any more.
+    /// The model does not make a mission, or there is no mission any more.
     pub fn restart(&mut self, wire_is_open: Option<bool>, after: &Dip) -> Result<Option<RestartReport>> {
         self.memory.restore_supply();
         let Dip { with_chips, is_crash, .. } = *after;

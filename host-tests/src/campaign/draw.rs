@@ -1,4 +1,4 @@
-//! What goes wrong in a run: drawn by its seed.
+//! Draws the faults of a run from its seed.
 
 use chip_models::flown::{Chip, ChipFault, Fault, Quantity};
 use rand::{Rng, RngExt as _};
@@ -8,7 +8,7 @@ use super::fault::{Boundary, Dip, DipTick, Drawn, Phase, Place, SECOND, TRANSIEN
 use super::flight::TICK_US;
 use super::plan::Plan;
 
-/// Draws what goes wrong in a run: one fault in four of five, two in the others, never two in one place.
+/// Draws the faults of a run: one fault in four of five runs, two in the others, never two in one place.
 pub fn draw(plan: &Plan, random: &mut impl Rng) -> Vec<Drawn> {
     let mut faults = vec![one(plan, random)];
     if random.random_bool(0.2) {
@@ -23,7 +23,7 @@ pub fn draw(plan: &Plan, random: &mut impl Rng) -> Vec<Drawn> {
     faults
 }
 
-/// A tick of that phase.
+/// A random tick of that phase.
 fn tick_of(phase: Phase, plan: &Plan, random: &mut impl Rng) -> usize {
     let separation = plan.separation();
     let range = match phase {
@@ -37,7 +37,7 @@ fn tick_of(phase: Phase, plan: &Plan, random: &mut impl Rng) -> usize {
     random.random_range(range)
 }
 
-/// How long a fault lasts, ticks: two in five are transients, one in five stays.
+/// End tick of a fault: two in five are transients, one in five lasts.
 fn length(from: usize, plan: &Plan, random: &mut impl Rng) -> usize {
     let ticks = match random.random_range(0..5) {
         0 | 1 => random.random_range(1..=TRANSIENT_TICKS),
@@ -99,7 +99,7 @@ fn once(fault: &mut Drawn, chip: Chip, what: Fault) {
     fault.events = vec![(fault.from, ChipFault { chip, fault: what })];
 }
 
-/// So many bits flipped, one event each, over the fault's length but at most a second.
+/// Several flipped bits, one event each, over the fault's length but at most a second.
 fn flips(fault: &mut Drawn, chip: Chip, bytes: u32, random: &mut impl Rng) {
     let count = random.random_range(2..12);
     fault.to = fault.to.min(fault.from + SECOND);
@@ -117,13 +117,13 @@ fn flips(fault: &mut Drawn, chip: Chip, bytes: u32, random: &mut impl Rng) {
     fault.events.push((fault.to, ChipFault { chip, fault: Fault::None }));
 }
 
-/// A size between two powers of ten, either way.
+/// A size between two powers of ten, of either sign.
 fn size(from: f64, to: f64, random: &mut impl Rng) -> i32 {
     let size = 10f64.powf(random.random_range(from..to)) as i32;
     if random.random_bool(0.5) { size } else { -size }
 }
 
-/// A mask of one bit of so many, or of some.
+/// A mask of one bit out of this many, or of several.
 fn bits(width: u32, random: &mut impl Rng) -> u32 {
     let one = |random: &mut dyn FnMut() -> u32| 1 << (random() % width);
     let mut draw = || random.random::<u32>();
@@ -131,20 +131,20 @@ fn bits(width: u32, random: &mut impl Rng) -> u32 {
     if draw() % 3 > 0 { first } else { first | one(&mut draw) | one(&mut draw) }
 }
 
-/// The most ticks until the barometer's chip has brought that many results. A temperature comes once in eight
-/// conversions, 16 ticks at 100 conversions a second. A pressure out of the chip's range is followed by a
-/// pause, a reset and a temperature, which takes ten ticks (`drivers::ms5611`).
+/// Limit on the ticks until the barometer's chip has delivered that many results. A temperature comes once in
+/// eight conversions, 16 ticks at 100 conversions a second. A pressure out of the chip's range is followed by
+/// a pause, a reset and a temperature, which takes ten ticks (`drivers::ms5611`).
 fn conversions_ticks(quantity: Quantity, results: u32) -> usize {
     let each = if quantity == Quantity::Temperature { 16 } else { 10 };
     each * results as usize
 }
 
-/// So many results that are wrong, none of them more than half a second of the inertial unit's.
+/// Number of wrong results, at most half a second of the inertial unit's.
 fn results(random: &mut impl Rng) -> u32 {
     if random.random_bool(0.5) { 1 } else { random.random_range(2..100) }
 }
 
-/// What can go wrong with any chip on SPI; whether it was that.
+/// Draws a fault that any chip on SPI can have; returns whether it did.
 fn of_bus(fault: &mut Drawn, chip: Chip, random: &mut impl Rng) {
     let name = |baro, imu| if chip == Chip::Baro { baro } else { imu };
     match random.random_range(0..9) {
@@ -224,11 +224,11 @@ fn of_barometer(fault: &mut Drawn, random: &mut impl Rng) {
             fault.name = "baro: conversions lost";
             let count = random.random_range(1..8);
             once(fault, chip, Fault::LoseConversions { count });
-            // Until the last of them is given up.
+            // Until the last of them times out.
             fault.to = fault.from + 20 * count as usize;
         }
         8 => {
-            // The memory is read after a reset alone.
+            // The memory is read only after a reset.
             fault.name = "baro: calibration memory flips";
             fault.to = fault.to.max(fault.from + 2);
             let flip = Fault::FlipProm {
@@ -321,7 +321,7 @@ fn of_receiver(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
             fault.name = "gps: bytes lost";
             let count = random.random_range(1..400);
             once(fault, chip, Fault::LoseBytes { count });
-            // Until so many have been sent, 100 of them a fix.
+            // Until that many have been sent, 100 of them a fix.
             fault.to = fault.from + (count as usize).div_ceil(100) * plan.fix_ticks;
         }
         3 => {
@@ -424,7 +424,7 @@ fn of_mother_ship(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
         2 => {
             fault.name = "mother ship: bytes lost";
             once(fault, chip, Fault::LoseBytes { count: random.random_range(1..90) });
-            // Until so many have been sent: two messages.
+            // Until that many have been sent: two messages.
             fault.to = fault.from + 2 * plan.master_ticks;
         }
         3 => {
@@ -492,8 +492,8 @@ fn of_wire(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
     }
 }
 
-/// Crashes, each as soon as the program runs again: from the fourth in a row on it stands by before it goes
-/// on (`survival::History`).
+/// Crashes, each as soon as the program runs again: from the fourth in a row on, it stands by before it
+/// continues (`survival::History`).
 fn of_program(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
     fault.place = Place::Program;
     let count = random.random_range(1..=6_usize);
@@ -535,8 +535,8 @@ fn of_supply(fault: &mut Drawn, plan: &Plan, random: &mut impl Rng) {
         };
         let ticks = random.random_range(1..40);
         fault.dips.push(Dip { tick: when, ticks, boundary, with_chips, is_crash: false });
-        // The fault is over when the last dip is, and a receiver that has lost its power has booted for half
-        // a second.
+        // The fault ends with the last dip; a receiver that has lost its power takes another half second to
+        // boot.
         last_end = tick + ticks + if with_chips { SECOND / 2 } else { 0 };
         tick += ticks + random.random_range(4..400);
     }

@@ -1,15 +1,15 @@
-//! What can go wrong in a run: where, when and what.
+//! The faults of a run: where, when and what.
 
 use chip_models::flown::{ChipFault, Fault, Quantity};
 
 use super::flight::TICKS_PER_S;
 
-/// Ticks of a second.
+/// Ticks per second.
 pub(super) const SECOND: usize = TICKS_PER_S as usize;
-/// A fault that lasts no longer is a transient, ticks.
+/// Longest duration of a transient, ticks.
 pub const TRANSIENT_TICKS: usize = SECOND;
 
-/// Where a fault begins.
+/// Phase in which a fault begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Phase {
     /// The first ten seconds.
@@ -37,7 +37,7 @@ impl Phase {
         Self::LateFree,
     ];
 
-    /// For tables.
+    /// Name for tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -51,7 +51,7 @@ impl Phase {
     }
 }
 
-/// Where a fault is.
+/// Place of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
     /// The barometer.
@@ -72,35 +72,35 @@ pub enum Place {
     Program,
 }
 
-/// At what point of a tick the supply goes.
+/// Point of a tick at which the supply fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Boundary {
     /// Before the mark of this tick: after the poll, or after the mission's tick.
     BeforeMark,
-    /// While the mark is written: so many of its words are there.
+    /// While the mark is written: after this many of its words.
     InMark(u32),
     /// Before the snapshot.
     BeforeSnapshot,
-    /// While the snapshot is written: so many of its words are there.
+    /// While the snapshot is written: after this many of its words.
     InSnapshot(u32),
     /// At the tick's end.
     AtEnd,
 }
 
-/// Which tick a dip is in.
+/// Tick that a dip is in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DipTick {
     /// This one.
     At(usize),
-    /// So many after that of the wire's first edge.
+    /// This many ticks after the wire's first edge.
     Edge(usize),
-    /// So many after the one that latches in the clean flight.
+    /// This many ticks after the one that latches in the clean flight.
     Latch(usize),
 }
 
 impl Boundary {
-    /// Whether nobody has heard of the tick that the supply goes in: messages and records are made by tasks
-    /// below the tick, which run when it has ended.
+    /// Whether nothing has reported the tick in which the supply fails: messages and records are made by
+    /// tasks below the tick, which run after it.
     #[must_use]
     pub const fn is_before_telling(self) -> bool {
         matches!(self, Self::BeforeMark | Self::InMark(_))
@@ -110,15 +110,15 @@ impl Boundary {
 /// A dip of the supply, or a crash of the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dip {
-    /// When.
+    /// Its tick.
     pub tick: DipTick,
-    /// For how many ticks.
+    /// Its length in ticks.
     pub ticks: usize,
-    /// At what point of the tick.
+    /// Its point of the tick.
     pub boundary: Boundary,
     /// Whether the chips lose their power as well.
     pub with_chips: bool,
-    /// Whether it is the program that has crashed.
+    /// Whether it is a crash of the program.
     pub is_crash: bool,
 }
 
@@ -127,15 +127,15 @@ pub struct Dip {
 pub struct Drawn {
     /// Its name in the matrix.
     pub name: &'static str,
-    /// Where it is.
+    /// Its place.
     pub place: Place,
-    /// In what phase it begins.
+    /// The phase in which it begins.
     pub phase: Phase,
-    /// First tick of it.
+    /// Its first tick.
     pub from: usize,
-    /// First tick without it.
+    /// The first tick after it.
     pub to: usize,
-    /// What it does, chip by chip.
+    /// Its effects, chip by chip.
     pub events: Vec<(usize, ChipFault)>,
     /// Dips of the supply.
     pub dips: Vec<Dip>,
@@ -144,13 +144,13 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// Whether it is over within a second.
+    /// Whether it ends within a second.
     #[must_use]
     pub const fn is_transient(&self) -> bool {
         self.to - self.from <= TRANSIENT_TICKS
     }
 
-    /// Whether all that it does is to add something to an altitude or a pressure, the same while it lasts.
+    /// Whether its only effect is a constant offset of an altitude or a pressure.
     #[must_use]
     pub fn is_altitude_offset(&self) -> bool {
         let is_one = |fault: &Fault| {

@@ -1,6 +1,6 @@
-//! A flight of the campaign, tick by tick: what the chips are subject to, and the true altitude beside it.
+//! A flight of the campaign, tick by tick: the inputs of the chips, and the true altitude.
 //!
-//! The physics is its own: neither the simulator's nor what the estimator assumes.
+//! Its physics is its own: neither the simulator's nor the estimator's assumptions.
 
 use kf_core::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
 use rand::Rng;
@@ -8,9 +8,9 @@ use rand_distr::{Distribution as _, StandardNormal, StudentT};
 
 use super::plan::{Plan, Spread};
 
-/// Microseconds of a tick.
+/// Length of a tick, microseconds.
 pub const TICK_US: u64 = 5_000;
-/// When a flight's clock starts, microseconds.
+/// Start of a flight's clock, microseconds.
 pub const FIRST_US: u64 = 1_000_000;
 /// Ticks a second.
 pub const TICKS_PER_S: f64 = 200.0;
@@ -21,7 +21,7 @@ const GRAVITY_MPS2: f64 = 9.806_65;
 /// One tick of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// What the flight says: `launch` is the wire.
+    /// The flight's input at the tick; `launch` is the wire.
     pub input: TickInput,
     /// The true altitude, metres.
     pub altitude_m: f32,
@@ -57,7 +57,7 @@ impl Wander {
     }
 }
 
-/// What a tick's motion is.
+/// The motion at a tick.
 struct Motion {
     altitude_m: f64,
     velocity_ned_mps: [f64; 3],
@@ -66,7 +66,7 @@ struct Motion {
     airspeed_mps: f64,
 }
 
-/// The mother ship, and the vehicle once it is free.
+/// The mother ship, and the vehicle after separation.
 struct Vehicle {
     altitude_m: f64,
     climb_mps: f64,
@@ -74,7 +74,7 @@ struct Vehicle {
     velocity_ned_mps: Option<[f64; 3]>,
     gust: Wander,
     smooth_gust_mps: f64,
-    /// Climb rate without gusts, from the separation on.
+    /// Climb rate without gusts, after the separation.
     free_climb_mps: f64,
 }
 
@@ -145,7 +145,7 @@ impl Vehicle {
     }
 }
 
-/// Climb rate and bank of the manoeuvre at that time since separation.
+/// Climb rate and bank of the manoeuvre at that time after separation.
 fn manoeuvre(plan: &Plan, since_s: f64) -> (f64, f64) {
     let mut end_s = 0.0;
     for one in &plan.manoeuvres {
@@ -157,7 +157,7 @@ fn manoeuvre(plan: &Plan, since_s: f64) -> (f64, f64) {
     (0.0, 0.0)
 }
 
-/// From north-east-down to the body's axes; attitude: roll, pitch, yaw.
+/// Rotates from north-east-down to body axes; attitude: roll, pitch, yaw.
 fn to_body([roll, pitch, yaw]: [f64; 3], [n, e, d]: [f64; 3]) -> [f64; 3] {
     let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
     let (x, y) = (cy * n + sy * e, -sy * n + cy * e);
@@ -187,7 +187,7 @@ impl Noise {
         Self { fix: Wander::default(), velocity: [Wander::default(); 3], baro: Wander::default(), student }
     }
 
-    /// A number of unit deviation, with outliers if the plan has them.
+    /// A random number of unit variance, with outliers if the plan has them.
     fn spread(&self, random: &mut impl Rng) -> f64 {
         match &self.student {
             // The variance of Student's t of n degrees of freedom is n / (n - 2).

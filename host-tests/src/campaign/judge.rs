@@ -1,4 +1,4 @@
-//! What a run must keep, and what its faults have cost.
+//! The invariants of a run, and the cost of its faults.
 
 use std::fmt;
 
@@ -13,49 +13,49 @@ use super::flight::TICKS_PER_S;
 use super::run::{Case, Flown, PUSH_TICKS};
 use super::watch::{REFERENCE, Restarted, Seen, TELLING_TICKS, Watched};
 
-/// A latched bias may be so many of its own sigmas from the clean run's.
+/// Largest allowed distance of a latched bias from the clean run's, in multiples of its own sigma.
 const BIAS_SIGMAS: f32 = 4.0;
-/// A bound may differ from the clean run's by this factor.
+/// Largest allowed ratio of a bound to the clean run's, either way.
 const BOUND_FACTOR: f32 = 1.3;
-/// A failure may be flagged so many times later than in the clean run.
+/// Largest allowed ratio of a failure's detection delay to the clean run's.
 const DELAY_FACTOR: f32 = 1.5;
-/// What a transient may cost beyond its own length, ticks: half a second.
+/// Allowed cost of a transient beyond its own length, ticks: half a second.
 const GRACE_TICKS: usize = 100;
-/// Half of the default model's moving average: by so much a ramp's average is behind it (eq. 16's second
-/// criterion; `kf_core::monitor`: "a ramp is doubtful at the bound and untrustworthy half a window later").
+/// Half of the default model's moving average: the lag of the average of a ramp (eq. 16's second criterion;
+/// `kf_core::monitor`: "a ramp is doubtful at the bound and untrustworthy half a window later").
 const HALF_WINDOW_TICKS: usize = 200;
-/// For how long a launch may be left undecided, ticks.
+/// How long a launch may be left undecided, ticks.
 const UNDECIDED_TICKS: usize = (LaunchConfig::DEFAULT.undecided_s as f64 * TICKS_PER_S) as usize;
-/// From a message to the tick that knows of it, ticks, and what the wire's debounce takes: a launch may be
-/// told so much after the limit.
+/// Time from a message to the tick that uses it, plus the wire's debounce, ticks: a launch may be reported
+/// this much after the limit.
 const DECISION_TICKS: usize = 10;
-/// Most operations on ports that a tick may take. A clean flight's worst tick takes 14; the budget of
-/// instructions, which the QEMU sample is held to, is for all of them.
+/// Largest number of operations on ports in a tick. A clean flight's worst tick takes 14. The budget of
+/// instructions, which the QEMU sample must meet, covers all work.
 const MOST_OPERATIONS: u32 = 40;
-/// A sensor is called untrustworthy rightly if its true error is beyond this share of the bound: the
-/// reference, which the bound allows for, has an error of its own.
+/// Calling a sensor untrustworthy is right if its true error is beyond this share of the bound: the reference
+/// has an error of its own, which the bound allows for.
 const RIGHTLY: f32 = 0.6;
 
-/// What a run must keep.
+/// What must hold in every run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Invariant {
     /// No launch without separation.
     Launch,
-    /// A separation is seen, whatever a single fault does to anything but the wire: one that is shorted or
-    /// cannot be read hides it, as `kf_core::launch` says.
+    /// A separation is detected whatever a single fault does, except to the wire: a wire that is shorted or
+    /// cannot be read hides it, as documented in `kf_core::launch`.
     Seen,
     /// A latch called good has each bias within 4 of its own sigmas of the clean run's.
     Bias,
     /// The monitor's bound is within 1.3 of the clean run's, or the calibration is called degraded.
     Bound,
-    /// A failure after launch is flagged within 1.5 times the clean delay, or the sensor was said not to be
+    /// A failure after launch is flagged within 1.5 times the clean delay, or the sensor was reported as not
     /// monitored.
     Detection,
-    /// A healthy sensor is not called untrustworthy by somebody else's fault.
+    /// A healthy sensor is not called untrustworthy because of another's fault.
     Blame,
-    /// A transient costs a sensor at most its length and half a second.
+    /// A transient costs a sensor at most the transient's length and half a second.
     Transient,
-    /// A transient costs no sensor the rest of the flight.
+    /// A transient costs no sensor for the rest of the flight.
     Permanent,
     /// No panic.
     Panic,
@@ -63,14 +63,14 @@ pub enum Invariant {
     Work,
     /// Every restart is reported in the telemetry.
     RestartReported,
-    /// No number is published that is none.
+    /// No published number is invalid.
     Finite,
     /// The latch never changes.
     Latch,
 }
 
 impl Invariant {
-    /// Every one.
+    /// All invariants.
     pub const ALL: [Self; 13] = [
         Self::Launch,
         Self::Seen,
@@ -87,7 +87,7 @@ impl Invariant {
         Self::Latch,
     ];
 
-    /// For tables.
+    /// Name for tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -111,28 +111,28 @@ impl Invariant {
 /// A broken invariant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
-    /// Which.
+    /// The broken invariant.
     pub invariant: Invariant,
     /// What happened.
     pub what: String,
 }
 
-/// The worst that a run came to, from harmless to grave.
+/// The worst consequence in a run, from harmless to grave.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub enum Consequence {
-    /// Nothing that is seen.
+    /// Nothing visible.
     None,
     /// The calibration is called degraded.
     Degraded,
-    /// A sensor, or the reference, brought nothing for so many seconds longer than in the clean run.
+    /// A sensor, or the reference, delivered nothing for this many seconds longer than in the clean run.
     Silent(f32),
-    /// A sensor is said not to be monitored for so many seconds longer.
+    /// A sensor is reported as not monitored for this many seconds longer.
     Unmonitored(f32),
-    /// A sensor that is wrong is called so.
+    /// A wrong sensor is flagged.
     Flagged,
-    /// The launch is confirmed so many seconds later.
+    /// The launch is confirmed this many seconds later.
     LateLaunch(f32),
-    /// The launch is not seen.
+    /// The launch is not detected.
     NoLaunch,
     /// An invariant is broken.
     Violation(Invariant),
@@ -153,12 +153,12 @@ impl fmt::Display for Consequence {
     }
 }
 
-/// What a run came to.
+/// Verdict on a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// What is broken.
+    /// The broken invariants.
     pub violations: Vec<Violation>,
-    /// The worst of it.
+    /// The worst consequence.
     pub worst: Consequence,
 }
 
@@ -236,7 +236,7 @@ impl Judge<'_> {
                 });
             }
         }
-        // A program that crashes again and again pauses, each time longer; it does not stay away.
+        // A program that crashes repeatedly pauses, longer each time, but must come back.
         let crashes = self.case.faults.iter().find(|fault| fault.place == Place::Program);
         let is_back = self.faulty.ticks.last().is_some_and(Option::is_some);
         let may_pause = crashes.is_some_and(|fault| is_back || fault.to >= self.faulty.ticks.len());
@@ -251,8 +251,8 @@ impl Judge<'_> {
         }
         let restarts = &self.faulty.restarts;
         for (place, restart) in restarts.iter().enumerate().filter(|(_, restart)| !restart.is_told) {
-            // One that is off again before its text is out is told by the number of a later one, which counts
-            // them all.
+            // If the computer is off again before its text is out, a later restart's number reports it: that
+            // counts them all.
             let is_counted = |later: &Restarted| later.tick <= restart.tick + TELLING_TICKS && later.is_told;
             if restarts.iter().skip(place + 1).any(is_counted) {
                 continue;
@@ -287,7 +287,7 @@ impl Judge<'_> {
         else {
             return;
         };
-        // Where the clean flight shows no change in time, none is promised.
+        // Where the clean flight does not detect the launch in time, nothing is required.
         if fault.place == Place::Wire || clean > edge + UNDECIDED_TICKS + DECISION_TICKS {
             return;
         }
@@ -312,8 +312,7 @@ impl Judge<'_> {
             if clean.readings < 2 || faulty.readings < 2 {
                 continue;
             }
-            // An offset that is there from before the calibration begins until it is latched is the sensor's
-            // bias.
+            // An offset that lasts from before the calibration until the latch is the sensor's bias.
             let latched = self.faulty.launched.unwrap_or(self.faulty.ticks.len());
             let is_its_bias = |fault: &Drawn| {
                 fault.is_altitude_offset()
@@ -326,7 +325,7 @@ impl Judge<'_> {
             }
             let sigma_m = faulty.bias_variance_m2.max(0.0).sqrt();
             let off_m = faulty.bias_m - clean.bias_m;
-            // NaN is wrong as well.
+            // NaN is an error as well.
             let is_off =
                 off_m.is_nan() || off_m.abs() > BIAS_SIGMAS * sigma_m && !self.is_level_the_only_one(latched);
             if is_off {
@@ -359,8 +358,8 @@ impl Judge<'_> {
         }
     }
 
-    /// Whether the receiver was off by the same from before its first fix until the latch: everything is
-    /// measured against that, and nobody on board knows of another level.
+    /// Whether the receiver had the same offset from before its first fix until the latch: everything is
+    /// measured against that, and no other level is known on board.
     fn is_level_the_only_one(&self, latched: usize) -> bool {
         let is_fresh = |seen: &Option<Seen>| seen.is_some_and(|seen| seen.fresh & 1 << REFERENCE != 0);
         let Some(first_fix) = self.faulty.ticks.iter().position(is_fresh) else { return false };
@@ -425,8 +424,8 @@ impl Judge<'_> {
             return;
         }
         let (sensor, i) = (failure.sensor, failure.sensor.index());
-        // A push that comes while the flight computer is away is none: no sample of it was taken, so nothing
-        // of it is in the altitude.
+        // A push while the flight computer is away does not count: no sample of it was taken, so none of it
+        // is in the altitude.
         let has_unit = self.case.plan.own_unit.is_some();
         let is_there = |tick: usize| self.faulty.ticks.get(tick).is_some_and(Option::is_some);
         if sensor == Sensor::ImuSlave && !has_unit && !(failure.tick..failure.tick + PUSH_TICKS).any(is_there)
@@ -434,23 +433,23 @@ impl Judge<'_> {
             return;
         }
         let Some(clean) = self.clean.flagged[i].filter(|clean| clean.tick >= failure.tick) else { return };
-        // One that is doubtful before it fails is flagged for that sooner or later: when, tells nothing of
-        // the failure.
+        // A sensor that is doubtful before it fails is flagged for that sooner or later; the time of the flag
+        // is then unrelated to the failure.
         if self.clean.trust(sensor, failure.tick) != Some(Trust::Trusted) {
             return;
         }
         let delay = clean.tick - failure.tick;
         let allowed = (delay as f32 * DELAY_FACTOR) as usize + GRACE_TICKS;
         let latest = failure.tick + allowed;
-        // What of the faults lies between is no time in which anybody could have seen it.
+        // The failure could not be detected during the faults in between.
         let blind: usize = self
             .case
             .faults
             .iter()
             .map(|fault| fault.to.min(latest).saturating_sub(fault.from.max(failure.tick)))
             .sum();
-        // Nor is any time, however long, in which what the watch rests on is at fault: the sensor itself, the
-        // reference, the computer.
+        // Nor could it at any time, however long, at which something that the monitor depends on is at fault:
+        // the sensor itself, the reference, the computer.
         let bears = |fault: &&Drawn| {
             matches!(fault.place, Place::Gps | Place::Supply | Place::Clock | Place::Program)
                 || is_own(fault, sensor, has_unit)
@@ -467,31 +466,31 @@ impl Judge<'_> {
         if latest >= self.faulty.ticks.len() || flagged.is_some_and(|tick| tick <= latest) {
             return;
         }
-        // Where nothing is promised, nothing is missed.
+        // Where no trust is reported, no detection is missed.
         let is_promised =
             |tick: usize| matches!(self.faulty.trust(sensor, tick), Some(Trust::Trusted | Trust::Doubtful));
         let promised = (failure.tick..latest).filter(|tick| is_promised(*tick)).count();
         if promised < delay || !is_promised(latest) || (Self::is_degraded(self.faulty) && flagged.is_some()) {
             return;
         }
-        // What reads right needs no flag until it leaves its bound, and is owed it from then on as soon as
-        // the clean one has it. An altitude that the flight computer integrates has another drift of its own
-        // after a gap than the clean one, and a push while a gap is mended is taken out with it: it is right
-        // as far as its bound.
+        // A sensor that reads right needs no flag until it leaves its bound. From then on the flag is due as
+        // soon as in the clean flight. After a gap, an altitude that the flight computer integrates has a
+        // different drift from the clean one's, and mending the gap also removes a push during it: the
+        // altitude is right up to its bound.
         let is_integrated = sensor == Sensor::ImuSlave && !has_unit;
         let rightly_m = if is_integrated { 1.0 } else { RIGHTLY } * self.bound_m(sensor);
         let is_right = |watched: &Watched, tick: usize| {
             let seen = watched.ticks.get(tick).copied().flatten();
             seen.is_none_or(|seen| seen.true_error_m[i].abs() < rightly_m)
         };
-        // When it left what is right, to be wrong at a tick.
+        // When the sensor stopped reading right, given a tick at which it is wrong.
         let left = |watched: &Watched, wrong: usize| {
             (failure.tick..wrong).rev().find(|tick| is_right(watched, *tick)).unwrap_or(failure.tick)
         };
         let end = self.faulty.ticks.len();
         let Some(wrong) = (latest..end).find(|tick| !is_right(self.faulty, *tick)) else { return };
-        // The time that the clean one takes from there to its flag, which may be none where the receiver was
-        // off to the same side. The average, which the second criterion judges, needs half its window.
+        // The time from there to the flag in the clean flight, which may be zero where the receiver was off
+        // in the same direction. The average, which the second criterion judges, needs half its window.
         let beyond = left(self.faulty, wrong);
         let from_there = clean.tick.saturating_sub(left(self.clean, clean.tick)).max(HALF_WINDOW_TICKS);
         let owed = beyond + (from_there as f32 * DELAY_FACTOR) as usize + GRACE_TICKS;
@@ -514,7 +513,7 @@ impl Judge<'_> {
         );
     }
 
-    /// When everything that goes wrong is over within a second: from when to when.
+    /// First and last tick of the faults, if all are over within a second.
     fn transient(&self) -> Option<(usize, usize)> {
         let faults = &self.case.faults;
         let is_brief = !faults.is_empty()
@@ -533,18 +532,18 @@ impl Judge<'_> {
             return;
         }
         let mut end = self.faulty.ticks.len().min(self.clean.ticks.len());
-        // A sensor that fails is gated where the launch is not seen, as `seen` allows, and calibration goes
-        // on: by its own failure.
+        // Where the launch is not detected, as `seen` allows, calibration continues and gates a failing
+        // sensor: the cause is then the sensor's own failure.
         let launched = self.faulty.launched.unwrap_or(usize::MAX);
         if let Some(failure) = self.case.failure.filter(|failure| failure.tick < launched) {
             end = end.min(failure.tick);
         }
         let parted = if self.case.plan.separates { self.case.plan.separation() } else { end };
-        // What a restart under the pylon costs is a calibration, and that is told.
-        // At the first edge as well, until the task below that tick has kept a copy.
+        // A restart under the pylon costs a calibration, and that is reported. This also holds at the first
+        // edge, until the task below that tick has kept a copy.
         let begins_anew = |start: Start| matches!(start, Start::Captive | Start::Cold);
-        // So is a release that the clean flight itself does not see in time: until it does, the vehicle is
-        // captive as far as it knows.
+        // The same holds for a release that the clean flight itself does not detect in time: until then the
+        // vehicle is still treated as captive.
         let edge = self.clean.first_edge.unwrap_or(end);
         let seen = self.clean.launched.unwrap_or(end);
         let known = if seen > edge + UNDECIDED_TICKS + DECISION_TICKS { seen } else { edge };
@@ -579,7 +578,7 @@ impl Judge<'_> {
         }
         for sensor in FREE {
             let extra = self.faulty.unmonitored(sensor).saturating_sub(self.clean.unmonitored(sensor));
-            // Where the clean flight's launch is not seen, nothing is monitored there either.
+            // Where the clean flight does not detect the launch, it monitors nothing either.
             let both_launched = self.clean.launched.is_some() && self.faulty.launched.is_some();
             if extra > (to - from) + GRACE_TICKS && both_launched && !restarts_captive {
                 let last = self.faulty.ticks.iter().rev().flatten().next();

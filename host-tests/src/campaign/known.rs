@@ -1,5 +1,4 @@
-//! What a campaign is known to break, so that the test command fails for anything else: a list that may only
-//! shrink.
+//! Known violations of a campaign, so that the test command fails for any other: a list that may only shrink.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,22 +10,22 @@ use serde::{Deserialize, Serialize};
 use super::judge::Verdict;
 use super::run::Case;
 
-/// The list, as a TOML file has it.
+/// The list, as stored in a TOML file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Known {
-    /// Of which campaign.
+    /// Seed of the campaign.
     seed: u64,
-    /// How many runs it has.
+    /// Number of runs.
     runs: usize,
-    /// Guards that nothing reports when they are taken out; none, where that was not tried.
+    /// Guards whose removal nothing reports; empty if that was not tried.
     unnoticed_guards: Vec<String>,
-    /// By the run's number: the invariants that it breaks.
+    /// Violated invariants by the number of the run.
     violations: BTreeMap<String, Vec<String>>,
 }
 
 impl Known {
-    /// What a campaign has come to; `caught` are the guards that were missed when they were taken out.
+    /// The result of a campaign; `caught` are the guards whose removal was noticed.
     #[must_use]
     pub fn found(seed: u64, cases: &[Case], verdicts: &[Verdict], caught: Option<&[Guard]>) -> Self {
         let mut violations: BTreeMap<String, Vec<String>> = BTreeMap::new();
@@ -57,7 +56,7 @@ impl Known {
     /// Reads the list.
     ///
     /// # Errors
-    /// The file cannot be read, or is no such list.
+    /// The file cannot be read, or is not such a list.
     pub fn load(file: &Path) -> anyhow::Result<Self> {
         let text = std::fs::read_to_string(file).with_context(|| file.display().to_string())?;
         toml::from_str(&text).with_context(|| file.display().to_string())
@@ -77,7 +76,7 @@ impl Known {
         std::fs::write(file, text).with_context(|| file.display().to_string())
     }
 
-    /// Where this differs from a list, a line each.
+    /// Differences of this from a list, one line each.
     #[must_use]
     pub fn changes_from(&self, list: &Self) -> Vec<String> {
         let mut changes = Vec::new();

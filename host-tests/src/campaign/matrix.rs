@@ -1,4 +1,4 @@
-//! The table of what came of which fault in which phase.
+//! The table of consequences by fault and phase.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use super::fault::Phase;
 use super::judge::{Consequence, Invariant, Verdict};
 use super::run::Case;
 
-/// A cell: how many runs, the worst of them.
+/// A cell: number of runs, and the worst of them.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     runs: usize,
@@ -15,7 +15,7 @@ struct Cell {
     violations: usize,
 }
 
-/// What a campaign came to.
+/// The results of a campaign.
 #[derive(Debug, Default)]
 pub struct Matrix {
     cells: BTreeMap<(&'static str, Phase), Cell>,
@@ -26,7 +26,7 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// Takes a run.
+    /// Adds a run.
     pub fn take(&mut self, case: &Case, verdict: &Verdict) {
         self.runs += 1;
         self.violated += usize::from(!verdict.violations.is_empty());
@@ -49,13 +49,13 @@ impl Matrix {
         }
     }
 
-    /// Runs that broke something.
+    /// Number of runs with a violation.
     #[must_use]
     pub const fn violated(&self) -> usize {
         self.violated
     }
 
-    /// As a table of Markdown.
+    /// The matrix as a Markdown table.
     #[must_use]
     pub fn table(&self) -> String {
         let mut text = String::from("| fault |");
@@ -81,7 +81,7 @@ impl Matrix {
         text
     }
 
-    /// What was broken how often.
+    /// How often each invariant was broken.
     #[must_use]
     pub fn summary(&self) -> String {
         let mut text = format!(

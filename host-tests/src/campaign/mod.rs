@@ -1,11 +1,11 @@
-//! A Monte Carlo campaign of faults on the whole chain: chips' registers and wires in, latch, flags and
-//! telemetry out.
+//! A Monte Carlo campaign of faults on the whole chain, from the chips' registers and wires to the latch,
+//! flags and telemetry.
 //!
 //! A run draws a flight ([`plan`], [`flight`]), faults ([`fault`]) and a sensor that fails by itself in free
-//! flight. It flies twice ([`run`]): clean, and with the faults; the same sensor fails in both. What is seen
-//! of both ([`watch`]) is held against the invariants ([`mod@judge`]); a campaign is a table of what came of
-//! which fault in which phase ([`matrix`]). Taking out a guard must show ([`mutants`]). A run is a function
-//! of the campaign's seed and its own number, whatever else is flown and on how many threads.
+//! flight. It flies twice ([`run`]), clean and with the faults; the same sensor fails in both. The
+//! observations of both ([`watch`]) are checked against the invariants ([`mod@judge`]); a campaign is a table
+//! of consequences by fault and phase ([`matrix`]). Removing a guard must show ([`mutants`]). A run depends
+//! only on the campaign's seed and its own number, whatever else is flown and on how many threads.
 
 mod computer;
 pub mod draw;
@@ -27,10 +27,10 @@ use anyhow::Result;
 use judge::{Verdict, judge};
 use run::{Case, config};
 
-/// Flies these runs on every core, and gives their verdicts in their order. `done` is called after each.
+/// Flies these runs on every core, and returns their verdicts in order. `done` is called after each.
 ///
 /// # Errors
-/// The model makes no mission.
+/// The model does not make a mission.
 pub fn fly(seed: u64, cases: &[Case], done: &(impl Fn() + Sync)) -> Result<Vec<Verdict>> {
     let config = config()?;
     let next = AtomicUsize::new(0);

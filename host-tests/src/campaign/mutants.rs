@@ -1,5 +1,5 @@
-//! A campaign that finds nothing proves something only if it finds what is wrong: each guard is taken out in
-//! turn, and the runs whose faults it is there for are flown again.
+//! A campaign without findings proves something only if it can detect errors: each guard is removed in turn,
+//! and the runs with the faults that it is for are flown again.
 
 use anyhow::Result;
 use kf_core::guard::Guard;
@@ -9,21 +9,21 @@ use super::fly;
 use super::judge::{Invariant, Verdict};
 use super::run::Case;
 
-/// So many runs at most for a guard.
+/// Largest number of runs per guard.
 const RUNS: usize = 120;
 
-/// What the campaign says of a guard that is taken out.
+/// Result of the campaign without a guard.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The guard.
     pub guard: Guard,
-    /// Runs that were flown with and without it.
+    /// Runs flown with and without it.
     pub runs: usize,
-    /// Runs that break something without it which they keep with it, each with what it breaks.
+    /// Runs that break something only without the guard, each with the broken invariant.
     pub reports: Vec<(u64, Invariant)>,
 }
 
-/// Whether a fault is one that a guard is there for.
+/// Whether a guard is meant for this fault.
 fn concerns(guard: Guard, fault: &Drawn) -> bool {
     let is_captive = fault.phase <= Phase::BeforeLaunch;
     let is_named = |words: &[&str]| words.iter().any(|word| fault.name.contains(word));
@@ -45,11 +45,11 @@ fn concerns(guard: Guard, fault: &Drawn) -> bool {
     }
 }
 
-/// Takes out a guard, and flies the runs that it is there for; `cases` and what they came to with every
-/// guard.
+/// Removes a guard, and flies the runs that it is meant for; `cases` and their verdicts with every guard are
+/// given.
 ///
 /// # Errors
-/// The model makes no mission.
+/// The model does not make a mission.
 pub fn without(
     guard: Guard,
     seed: u64,

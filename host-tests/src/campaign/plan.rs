@@ -1,37 +1,37 @@
-//! What a flight of the campaign is: drawn by its seed, and not by what the estimator believes of flights.
+//! The plan of a campaign's flight, drawn from its seed and independent of the estimator's assumptions.
 
 use rand::{Rng, RngExt as _};
 
-/// How the reference's errors are spread.
+/// Distribution of the reference's errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Spread {
     /// Gaussian.
     Normal,
-    /// Student's t of four degrees of freedom, scaled to the same deviation: outliers.
+    /// Student's t with four degrees of freedom, scaled to the same deviation: outliers.
     HeavyTailed,
 }
 
-/// A manoeuvre of the free flight.
+/// A manoeuvre in free flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manoeuvre {
-    /// For how long, seconds.
+    /// Duration, seconds.
     pub duration_s: f64,
-    /// Climb rate to be flown, m/s.
+    /// Commanded climb rate, m/s.
     pub climb_mps: f64,
-    /// Bank to be flown, rad.
+    /// Commanded bank, rad.
     pub bank_rad: f64,
 }
 
-/// A flight, before it is flown.
+/// A flight before it is flown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Captive flight until the hooks open, seconds.
+    /// Duration of captive flight until the hooks open, seconds.
     pub captive_s: f64,
-    /// Flight after that, seconds.
+    /// Duration of flight after that, seconds.
     pub free_s: f64,
-    /// Whether the hooks open at all: if not, the mother ship flies on.
+    /// Whether the hooks open at all; if not, the mother ship continues.
     pub separates: bool,
-    /// Altitude at the beginning, metres.
+    /// Initial altitude, metres.
     pub altitude_m: f64,
     /// Airspeed, m/s.
     pub airspeed_mps: f64,
@@ -39,15 +39,15 @@ pub struct Plan {
     pub swings: [[f64; 3]; 3],
     /// Vertical gusts (1 sigma), m/s.
     pub gusts_mps: f64,
-    /// Share of its weight that the vehicle carries itself under the pylon.
+    /// Share of the vehicle's weight that its own wings carry under the pylon.
     pub lift_share: f64,
-    /// Push of the ejector, m/s^2, and for how many ticks.
+    /// Push of the ejector, m/s^2, and its duration in ticks.
     pub ejector: (f64, u32),
-    /// From the hooks' opening to the wire's, ticks: the cable's slack.
+    /// Delay between the opening of the hooks and of the wire, ticks: the cable's slack.
     pub slack_ticks: usize,
     /// Ticks for which the parting contacts bounce.
     pub bounce_ticks: usize,
-    /// The free flight.
+    /// The manoeuvres of free flight.
     pub manoeuvres: Vec<Manoeuvre>,
     /// Ticks between two fixes.
     pub fix_ticks: usize,
@@ -55,9 +55,9 @@ pub struct Plan {
     pub wander: (f64, f64),
     /// White noise of the reference's altitude, metres.
     pub fix_noise_m: f64,
-    /// How that noise is spread.
+    /// Distribution of that noise.
     pub spread: Spread,
-    /// Satellites.
+    /// Number of satellites.
     pub satellites: u8,
     /// The barometer's offset, white and correlated noise, metres.
     pub baro_m: [f64; 3],
@@ -67,18 +67,19 @@ pub struct Plan {
     pub vibration: (f64, f64),
     /// The mother ship's altitude: offset and slow error, metres.
     pub master_m: [f64; 2],
-    /// Whether it sends any.
+    /// Whether the mother ship sends messages.
     pub has_master: bool,
-    /// Ticks between two of its messages.
+    /// Ticks between two of those messages.
     pub master_ticks: usize,
-    /// The vehicle has a unit that computes its inertial altitude: its offset (m) and drift (m/s^2).
+    /// Offset (m) and drift (m/s^2) of the vehicle's own unit that computes its inertial altitude, if it has
+    /// one.
     pub own_unit: Option<(f64, f64)>,
-    /// Whether there is an airspeed.
+    /// Whether there is an airspeed signal.
     pub has_airspeed: bool,
 }
 
 impl Plan {
-    /// Draws a flight. `is_short`: one that QEMU flies in seconds.
+    /// Draws a flight. `is_short`: short enough to fly in QEMU within seconds.
     pub fn draw(random: &mut impl Rng, is_short: bool) -> Self {
         let captive_s =
             if is_short { random.random_range(48.0..56.0) } else { random.random_range(60.0..120.0) };
@@ -134,13 +135,13 @@ impl Plan {
         }
     }
 
-    /// The tick at which the hooks open, or would.
+    /// The tick at which the hooks open, or would open.
     #[must_use]
     pub fn separation(&self) -> usize {
         (self.captive_s * 200.0) as usize
     }
 
-    /// Ticks in all.
+    /// Number of ticks.
     #[must_use]
     pub fn ticks(&self) -> usize {
         self.separation() + (self.free_s * 200.0) as usize

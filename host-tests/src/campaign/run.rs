@@ -1,4 +1,4 @@
-//! One run: a flight, clean and with its faults, a sensor failing in both.
+//! One run: a flight, clean and with its faults, with a sensor failing in both.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -20,43 +20,43 @@ use super::watch::Watched;
 
 /// Slope of a drift, m/s.
 const DRIFT_MPS: f32 = 2.0;
-/// Size of a step, in the monitor's sigmas: what its bound is [`MULTIPLIER`] of.
+/// Size of a step, in the monitor's sigmas, of which the bound is a multiple ([`MULTIPLIER`]).
 const STEP_SIGMAS: f32 = 10.0;
 /// The default model's `monitor.multiplier`.
 const MULTIPLIER: f32 = 3.0;
-/// An inertial unit whose own altitude drifts is pushed for so many ticks: half a second.
+/// How long an inertial unit is pushed to make the altitude integrated from it drift, ticks: half a second.
 pub const PUSH_TICKS: usize = 100;
 
 /// How a sensor fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FailureKind {
-    /// It drifts from then on.
+    /// It drifts from that tick on.
     Drift,
-    /// It is off from then on.
+    /// It has an offset from that tick on.
     Step,
 }
 
-/// A sensor that fails in free flight, by itself: the monitor is there to find it.
+/// A sensor that fails in free flight, by itself: the monitor must detect it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failure {
-    /// Which.
+    /// The sensor.
     pub sensor: Sensor,
-    /// How.
+    /// Its kind of failure.
     pub kind: FailureKind,
-    /// From what tick on.
+    /// Its first tick.
     pub tick: usize,
     /// Upwards or downwards.
     pub sign: f32,
 }
 
-/// What a run is, drawn by its seed.
+/// A run, drawn from its seed.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its number.
+    /// Number of the run.
     pub index: u64,
     /// The flight.
     pub plan: Plan,
-    /// What goes wrong.
+    /// Its faults.
     pub faults: Vec<Drawn>,
     /// The sensor that fails in both flights.
     pub failure: Option<Failure>,
@@ -64,13 +64,13 @@ pub struct Case {
 
 /// Both flights of a run.
 pub struct Flown {
-    /// Without the faults.
+    /// The flight without the faults.
     pub clean: Watched,
-    /// With them.
+    /// The flight with the faults.
     pub faulty: Watched,
 }
 
-/// The random numbers of a part of a run: the same whatever else is drawn.
+/// The random numbers for one part of a run, independent of the other parts.
 fn random(seed: u64, index: u64, part: u64) -> ChaCha8Rng {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(index * 4 + part);
@@ -78,7 +78,7 @@ fn random(seed: u64, index: u64, part: u64) -> ChaCha8Rng {
 }
 
 impl Case {
-    /// Draws a run. `is_short`: with a flight that QEMU flies in seconds.
+    /// Draws a run. `is_short`: with a flight short enough to fly in QEMU within seconds.
     #[must_use]
     pub fn draw(seed: u64, index: u64, is_short: bool) -> Self {
         let plan = Plan::draw(&mut random(seed, index, 0), is_short);
@@ -104,10 +104,10 @@ impl Case {
         flight::fly(&self.plan, &mut random(seed, self.index, 2))
     }
 
-    /// Flies it twice.
+    /// Flies the run twice.
     ///
     /// # Errors
-    /// The model makes no mission.
+    /// The model does not make a mission.
     pub fn fly(&self, seed: u64, config: &MissionConfig<0>) -> Result<Flown> {
         let rows = self.rows(seed);
         let clean = self.fly_one(&rows, config, &[], None)?;
@@ -151,7 +151,7 @@ impl Case {
         let mut events = events.into_iter().peekable();
         let mut dips = dips(faults, clean).into_iter().peekable();
         let mut now_us = FIRST_US - TICK_US;
-        // While the supply is away: until which tick, and how it went.
+        // While the supply is away: until which tick, and the dip.
         let mut away: Option<(usize, Dip)> = None;
         let mut paused_until = 0;
         for (tick, row) in rows.iter().enumerate() {
@@ -186,7 +186,7 @@ impl Case {
                 let report = computer.restart(wire(faults, tick, input.launch), dip)?;
                 away = None;
                 watched.take_restart(report);
-                // A cold start's clock begins anew on the board; a chip's model cannot go back in time.
+                // After a cold start the board's clock restarts; a chip's model cannot go back in time.
                 now_us = report.map_or(0, |report| report.resumed_us).max(now_us);
                 let pause_us = report.map_or(0, |report| report.pause_us);
                 paused_until = tick + (pause_us / TICK_US) as usize;
@@ -197,7 +197,7 @@ impl Case {
             }
             now_us += TICK_US;
             input.time_us = now_us;
-            // Satellites keep the time, whatever the flight computer's clock does.
+            // The satellites' time is independent of the flight computer's clock.
             let true_us = FIRST_US + tick as u64 * TICK_US;
             computer.set_receivers_lead(true_us.cast_signed().wrapping_sub(now_us.cast_signed()));
             let dip = dips.next_if(|(at, _)| *at <= tick).map(|(_, dip)| dip);
@@ -220,7 +220,7 @@ impl Case {
     }
 }
 
-/// What the wire reads when the flight computer starts.
+/// State of the wire when the flight computer starts.
 fn wire(faults: &[Drawn], tick: usize, is_open: bool) -> Option<bool> {
     let events = faults.iter().flat_map(|fault| &fault.events).filter(|(at, _)| *at <= tick);
     let last = |chip| events.clone().rfind(|(_, event)| event.chip == chip).map(|(_, event)| event.fault);
@@ -252,7 +252,7 @@ fn dips(faults: &[Drawn], clean: Option<&Watched>) -> Vec<(usize, Dip)> {
     dips
 }
 
-/// Lets the sensor fail at its tick.
+/// Makes the sensor fail at its tick.
 fn fail(
     failure: &Failure,
     has_unit: bool,
@@ -298,7 +298,7 @@ fn fail(
 /// The default model's configuration.
 ///
 /// # Errors
-/// It makes no mission of that shape.
+/// The default model does not make a mission of that shape.
 pub fn config() -> Result<MissionConfig<0>> {
     Ok(Model::default().mission_config::<0>()?)
 }

@@ -1,4 +1,4 @@
-//! What a flight shows from outside: what the flight computer publishes at each tick, beside the truth.
+//! A flight as observed from outside: what the flight computer publishes at each tick, and the truth.
 
 use flight_computer::Step;
 use kf_core::atmosphere::pressure_altitude_m;
@@ -10,23 +10,23 @@ use kf_core::sensor::{SENSORS, Sensor};
 use survival::{RestartReport, Start};
 use telemetry::{ComputerStatus, FrameQueue, Link, Rates, Telemetry, TickReport};
 
-/// The reference's bit among those of [`Seen::fresh`], after the sensors'.
+/// The reference's bit in [`Seen::fresh`], after the sensors' bits.
 pub const REFERENCE: usize = SENSORS;
-/// What a sensor's true error is smoothed over, seconds: the monitor's window.
+/// Window over which a sensor's true error is smoothed, seconds: the monitor's.
 const SMOOTH_S: f32 = 2.0;
-/// Ticks after a restart within which it must be told: a second.
+/// Ticks after a restart within which it must be reported: a second.
 pub const TELLING_TICKS: usize = 200;
 
-/// One tick.
+/// Observations at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seen {
-    /// What each sensor is said to be worth.
+    /// Reported trust in each sensor.
     pub trust: [Trust; SENSORS],
-    /// Which sensors, and then the reference, brought a reading that was used: one bit each.
+    /// Which sensors, and then the reference, delivered a reading that was used: one bit each.
     pub fresh: u8,
-    /// How far each sensor's calibrated reading really is off, over the monitor's window, metres.
+    /// True error of each sensor's calibrated reading, over the monitor's window, metres.
     pub true_error_m: [f32; SENSORS],
-    /// The error that the monitor was given, metres, where there was a reading.
+    /// The monitor's input error, metres, where there was a reading.
     pub error_m: [Option<f32>; SENSORS],
     /// Its moving average, metres, where the error was judged.
     pub average_m: [Option<f32>; SENSORS],
@@ -35,31 +35,31 @@ pub struct Seen {
 /// A sensor that is called untrustworthy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flagged {
-    /// Since what tick.
+    /// Tick of the flag.
     pub tick: usize,
-    /// How far its calibrated reading really was off then, over the monitor's window, metres.
+    /// True error of its calibrated reading at that tick, over the monitor's window, metres.
     pub true_error_m: f32,
 }
 
 /// A start of the flight computer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Restarted {
-    /// At what tick.
+    /// Tick of the start.
     pub tick: usize,
-    /// What it said of itself.
+    /// The flight computer's own report.
     pub report: Option<RestartReport>,
-    /// Whether the telemetry said so.
+    /// Whether the telemetry reported it.
     pub is_told: bool,
 }
 
-/// What was seen of a flight.
+/// Observations of a flight.
 #[derive(Clone, Debug, Default)]
 pub struct Watched {
-    /// Every tick of the flight; `None`: the flight computer was not there.
+    /// All ticks of the flight; `None`: the flight computer was away.
     pub ticks: Vec<Option<Seen>>,
-    /// At what tick the launch was confirmed.
+    /// Tick at which the launch was confirmed.
     pub launched: Option<usize>,
-    /// The first tick whose wire read open.
+    /// The first tick at which the wire read open.
     pub first_edge: Option<usize>,
     /// The calibration.
     pub latch: Option<LatchRecord>,
@@ -67,15 +67,15 @@ pub struct Watched {
     pub other_latches: usize,
     /// Sensors called untrustworthy.
     pub flagged: [Option<Flagged>; SENSORS],
-    /// Each start after the first.
+    /// All starts after the first.
     pub restarts: Vec<Restarted>,
-    /// A number that was published and is none.
+    /// An invalid number that was published, and its tick.
     pub not_finite: Option<(usize, &'static str)>,
-    /// Most operations on ports in a tick.
+    /// Largest number of operations on ports in a tick.
     pub most_operations: u32,
-    /// It panicked, and said this.
+    /// Message of a panic.
     pub panic: Option<String>,
-    /// Ticks in standby.
+    /// Number of ticks in standby.
     pub standby_ticks: usize,
     /// Size of the step that was planted, metres.
     pub step_m: Option<f32>,
@@ -84,23 +84,23 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// A tick without a mission.
+    /// Notes a tick without a mission.
     pub fn take_nothing(&mut self, stands_by: bool) {
         self.standby_ticks += usize::from(stands_by);
         self.ticks.push(None);
     }
 
-    /// A start.
+    /// Notes a start.
     pub fn take_restart(&mut self, report: Option<RestartReport>) {
         self.end_telling();
         let tick = self.ticks.len();
-        // Standby has a message of its own, once a second, which `telemetry`'s tests hold.
+        // Standby has a message of its own, once a second, which `telemetry`'s tests check.
         let is_told = report.is_some_and(|report| report.start == Start::Standby || report.pause_us > 0);
         self.restarts.push(Restarted { tick, report, is_told });
         self.telling = report.filter(|_| !is_told).map(|report| (report, Vec::new()));
     }
 
-    /// A tick.
+    /// Notes a tick.
     pub fn take(
         &mut self,
         step: &Step,
@@ -157,22 +157,21 @@ impl Watched {
         }
     }
 
-    /// Looks whether the last restart was told.
+    /// Checks whether the last restart was reported.
     pub fn end_telling(&mut self) {
         if let (Some((report, steps)), Some(last)) = (self.telling.take(), self.restarts.last_mut()) {
-            // A flight computer that is off again before its first tick has had no time to say anything.
+            // A flight computer that is off again before its first tick had no time to report anything.
             last.is_told = steps.is_empty() || is_told(&report, &steps, self.latch.as_ref());
         }
     }
 
-    /// What was said of a sensor at a tick, if the flight computer was there.
+    /// Reported trust in a sensor at a tick, if the flight computer was there.
     #[must_use]
     pub fn trust(&self, sensor: Sensor, tick: usize) -> Option<Trust> {
         self.ticks.get(tick).copied().flatten().map(|seen| seen.trust[sensor.index()])
     }
 
-    /// The longest time without a reading that was used, of a sensor or the reference, in ticks from `from`
-    /// to `to`.
+    /// Longest time without a used reading of a sensor or the reference, in ticks from `from` to `to`.
     #[must_use]
     pub fn longest_gap(&self, source: usize, from: usize, to: usize) -> usize {
         let is_fresh = |tick: &usize| {
@@ -189,7 +188,7 @@ impl Watched {
         longest.max(to.saturating_sub(last))
     }
 
-    /// Ticks of free flight at which a sensor was not monitored.
+    /// Number of ticks of free flight at which a sensor was not monitored.
     #[must_use]
     pub fn unmonitored(&self, sensor: Sensor) -> usize {
         self.ticks.iter().flatten().filter(|seen| seen.trust[sensor.index()] == Trust::Unmonitored).count()
@@ -216,7 +215,7 @@ fn not_finite(output: &TickOutput) -> Option<&'static str> {
     check.then_some("cross-check")
 }
 
-/// Whether the telemetry of these ticks says that there was a start.
+/// Whether the telemetry of these ticks reports a start.
 fn is_told(report: &RestartReport, steps: &[(Step, Counters)], latch: Option<&LatchRecord>) -> bool {
     let mut queue = FrameQueue::new();
     let (frames, mut line) = queue.split();

@@ -1,4 +1,4 @@
-//! What a trial is made of, drawn by its seed.
+//! Draws a trial from its seed.
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -12,7 +12,7 @@ use crate::blind::draw::scenario;
 pub struct Case {
     /// Its seed.
     pub seed: u64,
-    /// What is hidden, and its size over the residual's noise; nothing in a null flight.
+    /// The hidden law, and its size over the residual's noise; none in a null flight.
     pub hidden: Option<(Hidden, f64)>,
     /// The scenario.
     pub scenario: String,
@@ -33,7 +33,7 @@ pub fn draw(seed: u64) -> Case {
     Case { seed, hidden: (!is_null).then_some((law, size)), scenario, noise_m }
 }
 
-/// The scenario with next to no noise on receiver and barometer: theirs is made apart.
+/// The scenario with almost no noise on receiver and barometer: theirs is generated separately.
 fn quiet(scenario: &str) -> String {
     let mut sensor = "";
     let mut text = String::new();

@@ -11,13 +11,13 @@ use super::hidden::Moment;
 use crate::blind::flight::{add, spread};
 use crate::real_trials::noise::{heavy, steps, wander};
 
-/// What a column measures.
+/// Quantity that a column measures.
 type Signal = fn(&Moment) -> f64;
 
 /// A flown trial.
 #[derive(Clone, Debug)]
 pub struct Flown {
-    /// What the search sees.
+    /// The flight that the search sees.
     pub flight: Flight,
     /// What the hidden law adds to the barometer at every row, metres.
     pub true_m: Vec<f64>,
@@ -25,11 +25,11 @@ pub struct Flown {
     pub captive: Vec<bool>,
 }
 
-/// Flies a case; another `number` is another flight of the same aircraft with the same coefficient, in other
-/// air and with another flap.
+/// Flies a case; another `number` gives another flight of the same aircraft with the same coefficient, in
+/// other air and with another motion of the flap.
 ///
 /// # Errors
-/// When the aircraft can't fly the plan.
+/// If the aircraft can't fly the plan.
 pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     let scenario = Scenario::from_toml(&case.scenario, "laws")?;
     let first = made(case, &scenario, 0)?;
@@ -72,8 +72,8 @@ struct Made {
     moments: Vec<Moment>,
 }
 
-/// The flight without law and noise, with the columns that nobody knows, which are recorded ten times a
-/// second with noise.
+/// The flight without law and noise, with the columns that the workbench does not know, which are recorded
+/// ten times a second with noise.
 fn made(case: &Case, scenario: &Scenario, number: u64) -> anyhow::Result<Made> {
     let seed = case.seed.wrapping_mul(1000).wrapping_add(number);
     let (mut flight, truth) = simulate(scenario, seed).map_err(|error| anyhow::anyhow!("{error}"))?;

@@ -2,10 +2,10 @@
 
 use rand::{Rng, RngExt as _};
 
-/// What the aircraft did at a row: true values, without the noise that is recorded with them.
+/// The aircraft's motion at a row: true values, without the noise that is recorded with them.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
-    /// Since the first row, s.
+    /// Time since the first row, s.
     pub time_s: f64,
     /// Roll, pitch, yaw, rad.
     pub euler_rad: [f64; 3],
@@ -25,16 +25,16 @@ pub struct Moment {
     pub bay_c: f64,
 }
 
-/// A hidden law, with its constants. All act on the barometer.
+/// A hidden law, with its constants. All laws act on the barometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hidden {
     /// The sine of the roll angle times the dynamic pressure: a port on one side.
     Roll,
-    /// The sine of the heading from an angle on (rad): a field of the vehicle's magnetism, or the sun.
+    /// The sine of the heading relative to an angle (rad): a field of the vehicle's magnetism, or the sun.
     Heading(f64),
-    /// A smooth threshold of the flap (place, width) times the dynamic pressure: a flow that separates.
+    /// A smooth threshold of the flap (place, width) times the dynamic pressure: flow separation.
     Separation(f64, f64),
-    /// A play of the flap's linkage of that half-width, times the dynamic pressure.
+    /// Play of that half-width in the flap's linkage, times the dynamic pressure.
     FlapPlay(f64),
     /// An exponential of the bay's temperature with that scale, K.
     BayExponential(f64),
@@ -42,16 +42,16 @@ pub enum Hidden {
     Wash,
     /// Throttle under the deflected flap.
     BlownFlap,
-    /// A resonance of a mount at that speed (1/min) of that quality.
+    /// A resonance of a mount at that speed (1/min), with that quality.
     Resonance(f64, f64),
-    /// The response of a hose of that period (s) and damping to the pitch rate.
+    /// The response of a hose with that period (s) and damping to the pitch rate.
     Hose(f64, f64),
     /// The magnitude of the pitch rate beyond a dead band, rad/s.
     DeadBand(f64),
 }
 
 impl Hidden {
-    /// One of them.
+    /// Draws a law.
     pub fn draw(random: &mut impl Rng) -> Self {
         match random.random_range(0..10) {
             0 => Self::Roll,
@@ -67,7 +67,7 @@ impl Hidden {
         }
     }
 
-    /// What kind it is, for a table.
+    /// Name of the law's kind, for a table.
     #[must_use]
     pub const fn kind(self) -> &'static str {
         match self {

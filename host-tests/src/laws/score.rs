@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use super::trial::Trial;
 use crate::blind::Share;
 
-/// Correlation with the truth on the next flight from which on a law predicts it.
+/// Least correlation with the truth on the next flight for a law that predicts it.
 const PREDICTS: f64 = 0.95;
 
 /// The rates that the project promises.
@@ -16,15 +16,15 @@ pub struct Score {
     pub among: Share,
     /// It is the first.
     pub first: Share,
-    /// Flights with a hidden law of which nothing is proposed.
+    /// Flights with a hidden law for which nothing is proposed.
     pub silent: Share,
-    /// Of these, the catalogue explains some of it.
+    /// Of these, flights in which the catalogue explains part of it.
     pub by_catalogue: Share,
-    /// Null flights of which a law is proposed.
+    /// Null flights for which a law is proposed.
     pub null_proposed: Share,
-    /// A first law that leaves more of the next flight's error than there is, of all trials.
+    /// A first law that increases the next flight's error, among all trials.
     pub worse: Share,
-    /// By kind: among, and all.
+    /// By kind: among, and first.
     pub kinds: BTreeMap<&'static str, [Share; 2]>,
 }
 
@@ -44,7 +44,7 @@ impl Trial {
 }
 
 impl Score {
-    /// Of these trials.
+    /// Counts these trials.
     #[must_use]
     pub fn of(trials: &[Trial]) -> Self {
         let mut score = Self::default();

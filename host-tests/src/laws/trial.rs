@@ -1,4 +1,4 @@
-//! One trial: fly, search, and hold the laws against the truth on another flight.
+//! One trial: fly, search, and compare the laws with the truth on another flight.
 
 use std::path::Path;
 
@@ -14,25 +14,25 @@ use pylon::replay::Replay;
 use super::draw::Case;
 use super::fly::{Flown, fly};
 
-/// How a trial ended.
+/// Result of a trial.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// What was drawn.
+    /// The case drawn.
     pub case: Case,
-    /// What was found.
+    /// Result of the search.
     pub discovery: Discovery,
-    /// Of each law, the correlation with the truth in free flight of the next flight.
+    /// For each law, its correlation with the truth in free flight of the next flight.
     pub correlations: Vec<f64>,
-    /// What the hidden law makes of the barometer in free flight of the next flight, rms about captive
-    /// flight, metres; and what the first law leaves of it.
+    /// Effect of the hidden law on the barometer in free flight of the next flight, rms about captive flight,
+    /// metres; and the part that the first law leaves.
     pub next_m: Option<[f64; 2]>,
 }
 
-/// Writes what the search works on, for other methods to try: block means of the flight and of the next one,
-/// each with a column `true_m`, what the hidden law adds in the block.
+/// Writes the search's inputs, for other methods to try: block means of the flight and of the next one, each
+/// with a column `true_m`, what the hidden law adds in the block.
 ///
 /// # Errors
-/// When the aircraft can't fly the plan, or a file can't be written.
+/// If the aircraft can't fly the plan, or a file can't be written.
 pub fn dump(case: &Case, folder: &Path) -> anyhow::Result<()> {
     for number in 0..2 {
         let flown = fly(case, number)?;
@@ -66,7 +66,7 @@ const HALF_BLOCK_S: f64 = 0.5;
 /// Runs a case.
 ///
 /// # Errors
-/// When the aircraft can't fly the plan.
+/// If the aircraft can't fly the plan.
 pub fn run(case: Case) -> anyhow::Result<Trial> {
     let flown = fly(&case, 0)?;
     let model = Model::default();
@@ -96,7 +96,7 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
     Ok(Trial { case, discovery, correlations, next_m })
 }
 
-/// What a law makes of its sensor in a flight, metres, by the formulas' own machine.
+/// What a law adds to its sensor in a flight, metres, computed by the formulas' own machine.
 fn predicted(law: &FoundLaw, flight: &Flight) -> anyhow::Result<Vec<f64>> {
     let mut columns = Columns::default();
     let formula =
@@ -157,7 +157,7 @@ fn predicted(law: &FoundLaw, flight: &Flight) -> anyhow::Result<Vec<f64>> {
     Ok(metres)
 }
 
-/// Rows a second that are looked at.
+/// Rows a second that are used.
 const EVERY: usize = 20;
 
 fn free(flown: &Flown) -> impl Iterator<Item = usize> {
@@ -175,7 +175,7 @@ fn correlation(flown: &Flown, predicted: &[f64]) -> f64 {
     if squares > 0.0 { product / squares.sqrt() } else { 0.0 }
 }
 
-/// Rms in free flight about the mean of captive flight.
+/// Rms in free flight about the mean in captive flight.
 fn rms(flown: &Flown, values: &[f64]) -> f64 {
     let captive: Vec<usize> =
         (0..flown.captive.len()).filter(|row| flown.captive[*row]).step_by(EVERY).collect();

@@ -1,7 +1,7 @@
 //! Rules for a monitor as curves: false alarms an hour against the delay to faults, on the same residuals.
 //!
-//! Every rule is a statistic and a threshold; the threshold is what moves along a curve. A healthy launch
-//! alarms at the first statistic beyond it, so its rate is the alarms by the hours until them.
+//! Every rule is a statistic and a threshold; varying the threshold traces a curve. A healthy launch alarms
+//! at the first statistic beyond it, so the rate is the number of alarms over the hours until them.
 
 use residuals::Launch;
 use rules::Rule;
@@ -10,20 +10,20 @@ pub mod page;
 pub mod residuals;
 pub mod rules;
 
-/// When the fault comes, seconds after launch.
+/// Onset of the fault, seconds after launch.
 const ONSET_S: f64 = 30.0;
 
 /// A fault of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
-    /// Metres a second.
+    /// A drift, metres a second.
     Drift(f64),
-    /// In the sigmas that the monitor has latched.
+    /// A step, in the sigmas that the monitor has latched.
     Step(f64),
 }
 
 impl Fault {
-    /// Those that are asked about.
+    /// The faults that are tested.
     pub const ALL: [Self; 6] = [
         Self::Drift(0.5),
         Self::Drift(1.0),
@@ -50,20 +50,20 @@ impl Fault {
     }
 }
 
-/// The records of a statistic: when it was larger than ever before.
+/// The records of a statistic: each time that it exceeded all values before.
 type Records = Vec<(f64, f64)>;
 
-/// How a rule does on one kind of residual.
+/// Performance of a rule on one kind of residual.
 #[derive(Clone, Debug)]
 pub struct Curve {
     healthy: Vec<(Records, f64)>,
-    /// By the fault, for each launch: the largest statistic before it, and the records since, by the time
-    /// since.
+    /// For each fault and each launch: the largest statistic before the fault, and the records since, by the
+    /// time since.
     faulty: Vec<Vec<(f64, Records)>>,
 }
 
 impl Curve {
-    /// Flies the rule over the launches, and over `faulty` of them once more with each fault.
+    /// Applies the rule to the launches, and to `faulty` of them again with each fault.
     #[must_use]
     pub fn draw(rule: Rule, launches: &[Launch], faulty: usize) -> Self {
         let healthy = launches.iter().map(|launch| {
@@ -72,7 +72,7 @@ impl Curve {
             let length_s = statistic.len() as f64 * launch.interval_s;
             (records(&statistic, 0.0, launch.interval_s), length_s)
         });
-        // Evenly among them: real ones come log by log.
+        // Evenly spaced among them, because real launches are ordered by log.
         let every = launches.len().div_ceil(faulty.max(1)).max(1);
         let with = |fault: Fault| {
             let of = |launch: &Launch| {
@@ -106,7 +106,7 @@ impl Curve {
         3_600.0 * alarms / f64::max(seconds, 1e-9)
     }
 
-    /// The least threshold with at most so many false alarms an hour.
+    /// The smallest threshold with at most that many false alarms an hour.
     #[must_use]
     pub fn threshold(&self, false_alarms_per_hour: f64) -> f64 {
         let largest = |(records, _): &(Records, f64)| records.last().map_or(0.0, |(_, value)| *value);
@@ -128,8 +128,8 @@ impl Curve {
         self.healthy.iter().map(|(_, length_s)| length_s).sum::<f64>() / 3_600.0
     }
 
-    /// Median delay to a fault, seconds, of those launches that had not alarmed before it; infinite if fewer
-    /// than half are ever detected.
+    /// Median delay to a fault, seconds, over those launches that had not alarmed before it; infinite if
+    /// fewer than half are ever detected.
     #[must_use]
     pub fn delay_s(&self, fault: usize, threshold: f64) -> f64 {
         let quiet = self.faulty[fault].iter().filter(|(before, _)| *before <= threshold);
@@ -164,13 +164,13 @@ mod tests {
     #[test]
     fn a_curve_on_white_noise_is_the_normal_distributions() {
         let curve = Curve::draw(Rule::TestRatio, &made(Made::White, 400, 3), 100);
-        // A reading in 500 beyond 3.09 sigma, five readings a second: 36 an hour. 600 alarms are known to 4
-        // %, and the calibrations' spread of sigma and bias adds some.
+        // One reading in 500 is beyond 3.09 sigma, at five readings a second: 36 an hour. 600 alarms
+        // determine that to 4 %, and the calibrations' spread of sigma and bias adds some.
         let rate = curve.false_alarms_per_hour(3.090);
         assert!((rate / 36.0 - 1.0).abs() < 0.25, "{rate}");
         let threshold = curve.threshold(36.0);
         assert!((threshold - 3.09).abs() < 0.1, "{threshold}");
-        // Of 5 sigma every reading is beyond 3 sigma with 97 %; of 2 m/s it takes until about 6 m.
+        // At 5 sigma, 97 % of the readings are beyond 3 sigma; at 2 m/s that takes until about 6 m.
         assert!(curve.delay_s(4, 3.0) <= 0.41);
         assert!((2.0..3.2).contains(&curve.delay_s(2, 3.0)), "{}", curve.delay_s(2, 3.0));
     }

@@ -6,11 +6,11 @@ use super::residuals::{CAPTIVE_S, FREE_S, Half, Launch, Made, Real, made, real};
 use super::rules::Rule;
 use super::{Curve, Fault};
 
-/// False alarms an hour of the tables.
+/// False alarms an hour in the tables.
 const RATES: [f64; 3] = [10.0, 1.0, 0.1];
 /// Multipliers of the paper's rule and of the default.
 const MULTIPLIERS: [(&str, f64); 2] = [("paper, multiplier 1", 1.0), ("default, multiplier 3", 3.0)];
-/// Launches that are flown with each fault.
+/// Number of launches that are flown with each fault.
 const FAULTY: usize = 150;
 const COLOURS: [&str; 7] = ["#d62728", "#7f7f7f", "#8c564b", "#9ecae1", "#4292c6", "#084594", "#2ca02c"];
 
@@ -21,7 +21,7 @@ struct Panel {
     curves: Vec<Curve>,
 }
 
-/// The page (Markdown) and the picture (SVG); `seed` and `launches` are of the made residuals.
+/// The page (Markdown) and the picture (SVG); `seed` and `launches` are those of the generated residuals.
 #[must_use]
 pub fn page(seed: u64, launches: usize) -> (String, String) {
     let development = real(Half::Development);
@@ -79,7 +79,7 @@ fn text(panels: &[Panel], development: &Real, unseen: &Real, seed: u64, launches
             }
         }
         for rate in RATES {
-            // Three alarms are the least that a rate can be told from.
+            // A rate needs at least three alarms to be determined.
             if rate * hours < 3.0 {
                 let _ = writeln!(
                     text,

@@ -1,4 +1,4 @@
-//! Errors of healthy sensors against a reference: made ones, and those of real logs.
+//! Errors of healthy sensors against a reference: generated ones, and those of real logs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,28 +10,28 @@ use pylon::import::import_file;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
-/// Calibration before the launch, seconds.
+/// Duration of calibration before the launch, seconds.
 pub const CAPTIVE_S: f64 = 120.0;
-/// Free flight, seconds.
+/// Duration of free flight, seconds.
 pub const FREE_S: f64 = 150.0;
-/// The default preset's reference: error, metres, and its correlation time, seconds.
+/// Reference of the default preset: error, metres, and its correlation time, seconds.
 const REFERENCE_M: f64 = 2.0;
 const CORRELATION_S: f64 = 60.0;
 
-/// The error of a healthy sensor in free flight, by the calibration before.
+/// The error of a healthy sensor in free flight, after the calibration before it.
 #[derive(Clone, Debug)]
 pub struct Launch {
-    /// In metres.
+    /// The errors, metres.
     pub errors_m: Vec<f64>,
-    /// Between two of them, seconds.
+    /// Time between two of them, seconds.
     pub interval_s: f64,
-    /// The monitor's sigma, as the default preset latches it, metres.
+    /// The monitor's sigma as latched with the default preset, metres.
     pub sigma_m: f64,
 }
 
 impl Launch {
-    /// Of a residual that is cut into calibration and free flight; `None` if it is too short, or has no
-    /// spread.
+    /// Makes a launch from a residual, cut into calibration and free flight; `None` if it is too short, or
+    /// has no spread.
     fn of(residual_m: &[f64], interval_s: f64, correlation_s: f64) -> Option<Self> {
         let captive = (CAPTIVE_S / interval_s) as usize;
         let free = (FREE_S / interval_s) as usize;
@@ -47,14 +47,14 @@ impl Launch {
     }
 }
 
-/// A kind of made residual, at the 5 Hz of a receiver's fixes.
+/// A kind of generated residual, at the 5 Hz of a receiver's fixes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Made {
     /// Independent, Gaussian, 2 m.
     White,
     /// The default preset's reference: 2 m of wander over 60 s, and 0.5 m of white noise.
     Wandering,
-    /// The same with white noise of Student's t with three degrees of freedom, and steps of 2 m (Laplace)
+    /// The same, with white noise of Student's t with three degrees of freedom, and steps of 2 m (Laplace)
     /// every 100 s on average, which decay in 60 s: satellites that rise and set.
     HeavyTails,
 }
@@ -98,27 +98,27 @@ fn normal(rng: &mut ChaCha8Rng) -> f64 {
     radius * (std::f64::consts::TAU * rng.random::<f64>()).cos()
 }
 
-/// Which real logs.
+/// Which of the real logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Half {
-    /// What rules were looked at on: IGC logs with an even number, and the ArduCopter's.
+    /// Logs on which rules were developed: IGC logs with an even number, and the ArduCopter's.
     Development,
-    /// What is touched for the final figures only: IGC logs with an odd number, or none.
+    /// Logs for the final figures only: IGC logs with an odd number, or none.
     Final,
 }
 
-/// What came of the real logs.
+/// Launches from the real logs.
 #[derive(Clone, Debug, Default)]
 pub struct Real {
-    /// Healthy launches: each log in pieces, one after the other.
+    /// Healthy launches: each log in consecutive pieces.
     pub launches: Vec<Launch>,
-    /// Names of the logs that they are of.
+    /// Names of the logs that were used.
     pub used: Vec<String>,
-    /// Logs without one, and why.
+    /// Logs without a launch, and why.
     pub skipped: Vec<String>,
 }
 
-/// The logs of that half.
+/// Reads the logs of that half.
 #[must_use]
 pub fn real(half: Half) -> Real {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/flights/real");
@@ -151,7 +151,7 @@ pub fn real(half: Half) -> Real {
     real
 }
 
-/// By the last digit of the number that a log has.
+/// Decides by the last digit of the log's number.
 fn half_of(name: &str) -> Half {
     if name.ends_with(".tlog") {
         return Half::Development;
@@ -160,9 +160,9 @@ fn half_of(name: &str) -> Half {
     if digit.is_some_and(|digit| digit % 2 == 0) { Half::Development } else { Half::Final }
 }
 
-/// Barometer less receiver in flight, at the median interval, less what a straight line in altitude and climb
-/// rate explains of it over the whole log: those are effects of a model (`baro.scale`, `baro.lag`), not the
-/// noise of a monitor.
+/// Barometer less receiver in flight, at the median interval, less the part that a straight line in altitude
+/// and climb rate explains over the whole log: that part belongs to effects of a model (`baro.scale`,
+/// `baro.lag`), not to the noise of a monitor.
 fn residual(file: &Path) -> Result<(Vec<f64>, f64), String> {
     let (flight, _) = import_file(file).map_err(|error| error.to_string().lines().collect::<String>())?;
     let (times_s, gps_m, baro_m) = altitudes(&flight).ok_or("no barometer beside the receiver")?;
@@ -197,8 +197,8 @@ fn residual(file: &Path) -> Result<(Vec<f64>, f64), String> {
 
 type Altitudes = (Vec<f64>, Vec<f64>, Vec<f64>);
 
-/// Times, the receiver's altitude and the barometer's, at the rows that have a fix and a pressure; the
-/// barometer's is its last.
+/// Times, the receiver's altitude and the barometer's, at the rows with a fix and a pressure; the barometer's
+/// is its latest.
 fn altitudes(flight: &Flight) -> Option<Altitudes> {
     let gps = flight.channel(Channel::GpsAltM)?;
     let (baro, is_pressure) = match flight.channel(Channel::BaroAltM) {
@@ -231,7 +231,7 @@ mod tests {
         let launches = made(Made::White, 40, 1);
         let squares: f64 = launches.iter().flat_map(|launch| &launch.errors_m).map(|x| x * x).sum();
         let count: usize = launches.iter().map(|launch| launch.errors_m.len()).sum();
-        // 30,000 samples: their variance is known to 0.8 %; the biases add one part in 600.
+        // 30,000 samples: their variance is determined to 0.8 %; the biases add one part in 600.
         assert!((squares / count as f64 / 4.0 - 1.0).abs() < 0.035);
         assert!(launches.iter().all(|launch| (launch.sigma_m / 2.0 - 1.0).abs() < 0.15));
         let again = made(Made::White, 40, 1);

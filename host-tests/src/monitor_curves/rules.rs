@@ -1,21 +1,21 @@
-//! The monitors' rules that are compared: each makes one number of the errors so far, which an alarm's
-//! threshold is set on.
+//! The monitor rules that are compared: each reduces the errors so far to one number, to which the alarm's
+//! threshold applies.
 
-/// A rule for one sensor's error in sigmas.
+/// A rule for one sensor's error, in sigmas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// The paper's and the default: the magnitude of the mean over the last two seconds. What is not covered
-    /// yet counts as none.
+    /// The rule of the paper and of the default: the magnitude of the mean over the last two seconds. Time
+    /// not yet covered counts as no error.
     MovingAverage,
-    /// PX4's EKF2: the innovation's test ratio, as its root; with the gate as the threshold
+    /// PX4's EKF2: the square root of the innovation's test ratio, with the gate as the threshold
     /// (`updateAidSourceStatus`).
     TestRatio,
-    /// Its signed ratio through a low pass of 0.5 s, as PX4 publishes it.
+    /// Its signed ratio after a low pass of 0.5 s, as PX4 publishes it.
     FilteredTestRatio,
     /// Two-sided CUSUM (Page 1954) with this allowance in sigmas; its threshold is in sigma seconds.
     Cusum(f64),
     /// Window-limited generalised likelihood ratio of a step of unknown size (Lorden 1971, Willsky and Jones
-    /// 1976), over up to 10 s, by the root of its statistic.
+    /// 1976), over up to 10 s; the square root of its statistic.
     Glr,
 }
 

@@ -1,4 +1,4 @@
-//! One effect that is added to a flight, of a size over its noise.
+//! One effect added to a flight, with a given size over its noise.
 
 use kf_core::effect::EffectId;
 use pylon::flight::{Channel, Flight};
@@ -8,11 +8,11 @@ use rand_chacha::ChaCha8Rng;
 use super::made::Track;
 use crate::real_logs::Injection;
 
-/// Sizes over the noise, rms: from the least that must be named to the largest.
+/// Sizes over the noise, rms: from the smallest that must be named to the largest.
 const SIZES: std::ops::Range<f64> = 2.2..6.0;
 
-/// What is added, in units of its coefficient; a lag is a low pass as a tube is, or a pure delay as a wrong
-/// time stamp is.
+/// The injections, in units of their coefficients; a lag is a low pass like a tube, or a pure delay like a
+/// wrong time stamp.
 pub const UNITS: [Injection; 9] = [
     Injection::Scale(0.01),
     Injection::Scale(-0.01),
@@ -25,14 +25,15 @@ pub const UNITS: [Injection; 9] = [
     Injection::DynamicPressure(-0.1),
 ];
 
-/// The injection of that kind whose size is drawn, within what nature allows; `None` where that is not over
-/// twice the noise, or where the flight lacks what it is made of.
+/// An injection of that kind with a drawn size, within what nature allows; `None` where that is not over
+/// twice the noise, or where the flight lacks a signal that it needs.
 pub fn sized(unit: Injection, flight: &Flight, track: &Track, random: &mut ChaCha8Rng) -> Option<Injection> {
     let size = (SIZES.start.ln() + (SIZES.end / SIZES.start).ln() * random.random::<f64>()).exp();
     let mut one = flight.clone();
     unit.inject(&mut one).ok()?;
     let spread_m = spread_m(flight, &one, &track.used);
-    // What goes with the climb changes within half a minute, and is told from the noise that does.
+    // Effects of the climb rate change within half a minute, and only need to be distinguished from noise
+    // that does so too.
     let is_fast = matches!(unit.effect(), "baro.lag" | "gps.latency");
     let noise_m = if is_fast { track.fast_m } else { track.noise_m() };
     if spread_m <= 0.0 {
@@ -45,7 +46,7 @@ pub fn sized(unit: Injection, flight: &Flight, track: &Track, random: &mut ChaCh
     (least <= most).then(|| unit.times((size * noise_m / spread_m).min(most)))
 }
 
-/// Rms about its mean of what an injection changes of the difference of both altitudes, metres.
+/// Rms about the mean of an injection's change of the difference of both altitudes, metres.
 fn spread_m(before: &Flight, after: &Flight, used: &std::ops::Range<usize>) -> f64 {
     let mut squares = 0.0;
     for channel in [Channel::BaroAltM, Channel::GpsAltM] {

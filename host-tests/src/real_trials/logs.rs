@@ -1,4 +1,4 @@
-//! The logs, and which of two halves each is in.
+//! The logs, and their division into two halves.
 
 use std::path::{Path, PathBuf};
 
@@ -10,17 +10,18 @@ use pylon::import::import_file;
 /// Which half of the logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Half {
-    /// To develop on.
+    /// For development.
     Development,
-    /// Not to be looked at before the end.
+    /// Not to be used before the end.
     Unseen,
 }
 
 impl Half {
-    /// The half that a file is in, by its name: even or odd by FNV-1a (Fowler, Noll, Vo; draft-eastlake-fnv).
+    /// The half that a file belongs to, by its name: even or odd by FNV-1a (Fowler, Noll, Vo;
+    /// draft-eastlake-fnv).
     #[must_use]
     pub fn of(name: &str) -> Self {
-        // The lowest bit of the hash is that of the sum of the bytes only; the highest depends on all of
+        // The lowest bit of the hash depends only on the sum of the bytes; the highest depends on all of
         // them.
         if hash(name) >> 63 == 0 { Self::Development } else { Self::Unseen }
     }
@@ -38,15 +39,15 @@ pub fn hash(name: &str) -> u64 {
 pub struct Log {
     /// Its file's name.
     pub name: String,
-    /// The flight; a barometer is there as an altitude.
+    /// The flight; its barometer is an altitude.
     pub flight: Flight,
 }
 
-/// The logs of a half, by name, and those that can't be read with the reason; `None` where the folder is not
-/// there.
+/// The logs of a half, by name, and those that can't be read, with the reason; `None` if the folder is
+/// absent.
 ///
 /// # Errors
-/// A folder that can't be listed.
+/// If a folder can't be listed.
 pub fn logs(half: Half) -> anyhow::Result<Option<(Vec<Log>, Vec<String>)>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/flights/real");
     if !folder.exists() {
@@ -60,7 +61,7 @@ pub fn logs(half: Half) -> anyhow::Result<Option<(Vec<Log>, Vec<String>)>> {
         match import_file(&path) {
             Ok((flight, _)) => logs.push(Log { name, flight: with_altitude(flight) }),
             Err(error) => {
-                // The error names the file by its whole path, which is this machine's.
+                // The error contains the file's whole path, which is specific to this machine.
                 let error = error.to_string().replace(&format!("{}: ", path.display()), "");
                 unread.push(format!("{name}: {error}"));
             }
@@ -83,7 +84,7 @@ fn list(folder: &Path, files: &mut Vec<(String, PathBuf)>) -> anyhow::Result<()>
     Ok(())
 }
 
-/// The flight with its pressures as pressure altitudes, to which metres can be added.
+/// The flight with its pressures converted to pressure altitudes, to which metres can be added.
 fn with_altitude(mut flight: Flight) -> Flight {
     let Some(pressure) = flight.channel(Channel::BaroPa) else { return flight };
     let mut altitude = Column::with_capacity(pressure.len());

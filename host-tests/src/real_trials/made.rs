@@ -1,5 +1,5 @@
-//! Flights made of a log's own track: its smoothed path for the truth, and noise at the levels that the log
-//! itself shows.
+//! Flights generated from a log's own track: its smoothed path as the truth, and noise at the log's own
+//! levels.
 
 use anyhow::{Context as _, bail};
 use model::Model;
@@ -11,16 +11,16 @@ use rand_chacha::ChaCha8Rng;
 
 use super::noise::{heavy, steps, wander};
 
-/// Half of the width over which noise counts as slow, seconds.
+/// Half of the width of the window beyond which noise counts as slow, seconds.
 const SLOW_S: f64 = 15.0;
-/// The path is smoothed by a Gaussian of that sigma, or of the rows' interval, seconds.
+/// Sigma of the Gaussian that smooths the path, seconds; at least the rows' interval.
 const SMOOTH_S: f64 = 2.0;
-/// Slow errors beyond this are a setting or a fault, not noise.
+/// Limit on slow errors, metres: larger ones are a setting or a fault, not noise.
 const LARGEST_SLOW_M: f64 = 20.0;
-/// Rows that a track must have at least.
+/// Least number of rows of a track.
 const FEW_ROWS: usize = 200;
 
-/// The track of a log, and how noisy its two altitudes are.
+/// The track of a log, and the noise of its two altitudes.
 #[derive(Clone, Debug)]
 pub struct Track {
     /// The rows that a diagnosis works on.
@@ -29,19 +29,19 @@ pub struct Track {
     path_m: Vec<f64>,
     /// Noise of the difference of both altitudes within half a minute, metres.
     pub fast_m: f64,
-    /// The slower rest of it, what goes with height, climb and time taken off, metres.
+    /// The slower rest of it, less what depends on height, climb and time, metres.
     pub slow_m: f64,
-    /// Step of the altitudes, metres; 0 where they have none.
+    /// Step of the altitudes, metres; 0 without steps.
     quantum_m: f64,
     /// True airspeed by row, m/s: the speed over ground less a steady wind; empty where there is none.
     airspeed_mps: Vec<f64>,
 }
 
 impl Track {
-    /// The track of a log.
+    /// Computes the track of a log.
     ///
     /// # Errors
-    /// A log that no flight can be made of; the text says why.
+    /// If no flight can be made of the log; the text gives the reason.
     pub fn of(flight: &Flight) -> anyhow::Result<Self> {
         let replay = Replay::to_diagnose(flight, &Model::default(), None)?;
         let (start_s, end_s) = replay.extent().used_s;
@@ -78,14 +78,14 @@ impl Track {
         Ok(Self { used: first..last + 1, path_m, fast_m, slow_m, quantum_m, airspeed_mps })
     }
 
-    /// All of its noise, rms, metres.
+    /// Total noise, rms, metres.
     #[must_use]
     pub fn noise_m(&self) -> f64 {
         self.fast_m.hypot(self.slow_m)
     }
 
-    /// The flight with both altitudes on the path, without noise and without steps, and an airspeed where
-    /// there is one.
+    /// The flight with both altitudes on the path, without noise or quantisation, and an airspeed where there
+    /// is one.
     #[must_use]
     pub fn clean(&self, flight: &Flight) -> Flight {
         let mut clean = flight.clone();
@@ -108,8 +108,8 @@ impl Track {
         clean
     }
 
-    /// A clean flight, perhaps with an effect in it, with noise; its airspeed is recorded with errors of its
-    /// own if `has_airspeed`, else not at all.
+    /// A clean flight, possibly with an effect, with noise; its airspeed is recorded with errors of its own
+    /// if `has_airspeed`, else not at all.
     #[must_use]
     pub fn noisy(&self, clean: &Flight, seed: u64, has_airspeed: bool) -> Flight {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -153,8 +153,8 @@ fn change(flight: &mut Flight, channel: Channel, to: &dyn Fn(usize, f64) -> f64)
     flight.set_channel(channel, column);
 }
 
-/// A path through samples by local straight lines with Gaussian weights of that sigma (seconds); NaN where
-/// none is near.
+/// A smooth path through samples, by local straight lines with Gaussian weights of that sigma (seconds); NaN
+/// where no sample is near.
 fn smoothed(times_s: &[f64], samples: &[(f64, f64)], sigma_s: f64) -> Vec<f64> {
     let mut first = 0;
     let at = times_s.iter().map(|time_s| {
@@ -178,7 +178,7 @@ fn smoothed(times_s: &[f64], samples: &[(f64, f64)], sigma_s: f64) -> Vec<f64> {
     at.collect()
 }
 
-/// Rms of the difference's fast and of its slow part.
+/// Rms of the fast and of the slow part of the difference.
 fn levels(both: &[(f64, f64, f64)]) -> (f64, f64) {
     let differences: Vec<f64> = both.iter().map(|(_, baro_m, gps_m)| baro_m - gps_m).collect();
     let mean = |k: usize, of: &dyn Fn(usize) -> f64| {
@@ -206,8 +206,8 @@ fn levels(both: &[(f64, f64, f64)]) -> (f64, f64) {
     (fast_m.max(0.1), (rest.norm_squared() / both.len() as f64).sqrt().max(0.3))
 }
 
-/// True airspeed by the speed over ground and one wind: the centre of the circle that the velocities lie on
-/// (Kasa, "A circle fitting procedure and its error analysis", IEEE Transactions on Instrumentation and
+/// True airspeed from the speed over ground and one wind: the centre of the circle on which the velocities
+/// lie (Kasa, "A circle fitting procedure and its error analysis", IEEE Transactions on Instrumentation and
 /// Measurement 25, 1976).
 fn airspeed(flight: &Flight, used: std::ops::Range<usize>) -> Option<Vec<f64>> {
     let (north, east) = (flight.channel(Channel::GpsVnMps)?, flight.channel(Channel::GpsVeMps)?);
@@ -229,7 +229,7 @@ fn airspeed(flight: &Flight, used: std::ops::Range<usize>) -> Option<Vec<f64>> {
     Some(smoothed(&flight.time_s, &samples, SMOOTH_S))
 }
 
-/// The median; 0 of nothing.
+/// The median; 0 for an empty list.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)

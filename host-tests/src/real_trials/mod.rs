@@ -1,8 +1,8 @@
 //! Trials on real tracks: how often a diagnosis of a real log is right.
 //!
-//! The logs lie where [`crate::real_logs`] has them. Each is diagnosed as it is and by its halves; the track
-//! that it flew, with noise of its own level and of another family than the estimator's, makes flights in
-//! which nothing is wrong, and flights and logs with one effect added say whether that is named.
+//! [`crate::real_logs`] gives the logs' location. Each log is diagnosed as it is and by its halves. Its
+//! track, with noise of its own level but of a different family from the estimator's, gives flights in which
+//! nothing is wrong. Flights and logs with one effect added show whether that effect is named.
 
 mod added;
 mod logs;

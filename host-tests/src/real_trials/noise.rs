@@ -1,15 +1,15 @@
-//! Noise of another family than the estimator's: what it takes for Gauss-Markov processes is here made of
-//! sines, steps and heavy tails, and quantised.
+//! Noise of a different family from the estimator's: sines, steps, heavy tails and quantisation in place of
+//! the Gauss-Markov processes that it assumes.
 
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Exp1, StudentT};
 
-/// Sines that a wander is made of.
+/// Number of sines in a wander.
 const SINES: usize = 8;
 
-/// A slow wander of that rms (metres) with periods between two bounds (seconds), the slower the larger; by
-/// time.
+/// A slow wander of that rms (metres), with periods between two bounds (seconds) and larger amplitudes at
+/// longer periods; by time.
 pub fn wander(
     random: &mut ChaCha8Rng,
     times_s: &[f64],
@@ -35,11 +35,11 @@ pub fn wander(
     times_s.iter().map(|time_s| scale * at(*time_s)).collect::<Vec<f64>>()
 }
 
-/// An offset that holds until the next change of satellites and is then another one, of that rms (metres);
-/// changes come every `every_s` seconds in the mean.
+/// An offset of that rms (metres), which holds until the next change of satellites and is then drawn again;
+/// changes come every `every_s` seconds on average.
 pub fn steps(random: &mut ChaCha8Rng, times_s: &[f64], rms_m: f64, every_s: f64) -> Vec<f64> {
     let exponential = |random: &mut ChaCha8Rng| -> f64 { Exp1.sample(random) };
-    // Laplace's: an exponential of either sign, whose rms is sqrt(2) times its mean.
+    // Laplace distribution: an exponential of either sign, whose rms is sqrt(2) times its mean.
     let offset = |random: &mut ChaCha8Rng| {
         let size = exponential(random) * rms_m / std::f64::consts::SQRT_2;
         if random.random::<bool>() { size } else { -size }
@@ -57,8 +57,8 @@ pub fn steps(random: &mut ChaCha8Rng, times_s: &[f64], rms_m: f64, every_s: f64)
     offsets
 }
 
-/// Noise of heavy tails (Student's t of so many degrees of freedom, over two) of that rms, metres, averaged
-/// over so many samples in a row, as a receiver's own filter does.
+/// Noise with heavy tails (Student's t with that many degrees of freedom, over two) of that rms, metres,
+/// averaged over that many samples in a row, as a receiver's own filter does.
 pub fn heavy(random: &mut ChaCha8Rng, count: usize, rms_m: f64, freedom: f64, averaged: usize) -> Vec<f64> {
     let averaged = averaged.max(1);
     let Ok(student) = StudentT::new(freedom) else { return vec![0.0; count] };

@@ -1,10 +1,10 @@
-//! Whether the probabilities of these trials are right.
+//! Whether the probabilities reported in these trials are right.
 
 use super::trial::{Case, Outcome};
 use crate::reliability::diagram;
 
-/// The effects of flights whose truth is known (made of a track, with one effect or without), by the
-/// probability that was said of each.
+/// The effects of flights whose truth is known (generated from a track, with one effect or without), by the
+/// reported probability of each.
 #[must_use]
 pub fn reliability(outcomes: &[Outcome]) -> String {
     let mut said: Vec<(f64, bool)> = Vec::new();

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::trial::{Case, Outcome};
 use crate::blind::Share;
 
-/// A set of so many suspects is no help.
+/// Number of suspects from which on a set is no help.
 const LARGE_SET: usize = 4;
 
 /// The rates.
@@ -21,24 +21,24 @@ pub struct Score {
     pub named_or_two: Share,
     /// Injections identified, or in any set.
     pub held: Share,
-    /// Injections beside which another effect is identified that the log did not show before.
+    /// Injections with another effect identified that the log did not show before.
     pub wrong: Share,
     /// Logs as they are with an effect identified.
     pub plain_identified: Share,
-    /// Logs as they are with a set of four suspects or more.
+    /// Logs as they are, with a set of four suspects or more.
     pub plain_large: Share,
     /// Sets of four suspects or more, of all flights but the halves.
     pub large: Share,
     /// Flights with the lag and the latency of one free sensor identified.
     pub lag_and_latency: Share,
-    /// Effects identified in a half of a log that the other half has within two sigma.
+    /// Effects identified in a half of a log that are within two sigma of the other half's.
     pub halves_agree: Share,
     /// Coefficients of injections within 1.96 sigma of what was added.
     pub covered: Share,
 }
 
 impl Score {
-    /// Of these outcomes.
+    /// Counts these outcomes.
     #[must_use]
     pub fn of(outcomes: &[Outcome]) -> Self {
         let mut score = Self::default();
@@ -79,7 +79,7 @@ impl Score {
                 self.held.count(is_named || in_set(usize::MAX));
                 let is_strange = |other: &&'static str| *other != effect && !outcome.before.contains(other);
                 self.wrong.count(identified.iter().any(is_strange));
-                // A log's own part of the effect is not known.
+                // The log's own part of the effect is not known.
                 let is_made = matches!(outcome.case, Case::Made(_));
                 if let (true, true, Some((coefficient, sigma))) = (is_named, is_made, outcome.fitted(effect))
                 {
@@ -90,7 +90,7 @@ impl Score {
         self.large.count(is_large);
     }
 
-    /// What one half of a log identifies, held against the other.
+    /// Compares what one half of a log identifies with the other half.
     fn count_halves(&mut self, one: &Outcome, other: &Outcome) {
         for effect in one.identified() {
             if let (Some((a, a_sigma)), Some((b, b_sigma))) = (one.fitted(effect), other.fitted(effect)) {
@@ -100,7 +100,7 @@ impl Score {
     }
 }
 
-/// The score as a table, and what was said of each kind of injection.
+/// The score as a table, and the answers for each kind of injection.
 #[must_use]
 pub fn table(outcomes: &[Outcome]) -> String {
     let score = Score::of(outcomes);

@@ -1,4 +1,4 @@
-//! What is tried with each log, and what was said of it.
+//! The trials of each log, and their diagnoses.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -14,17 +14,17 @@ use super::logs::{Log, hash};
 use super::made::Track;
 use crate::real_logs::{Injection, diagnosis};
 
-/// Flights without any effect that are made of each log.
+/// Number of flights without any effect that are generated from each log.
 const NULLS: u64 = 2;
 
-/// What a trial is.
+/// Kind of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Case {
     /// The log as it is.
     Plain,
     /// Its first or its second half.
     Half(usize),
-    /// A flight made of its track, without any effect.
+    /// A flight generated from its track, without any effect.
     Null,
     /// The same with one effect.
     Made(Injection),
@@ -32,31 +32,31 @@ pub enum Case {
     Added(Injection),
 }
 
-/// A trial and how it ended.
+/// A trial and its result.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// The log's name.
     pub log: String,
-    /// What was tried.
+    /// The case.
     pub case: Case,
     /// Noise of the difference of both altitudes, rms, metres; 0 where it is not known.
     pub noise_m: f64,
-    /// What was said; the reason, where nothing was.
+    /// The diagnosis, or the reason why there is none.
     pub said: Result<Diagnosis, String>,
-    /// For [`Case::Added`]: what was said of the log as it is.
+    /// For [`Case::Added`]: effects named for the log as it is.
     pub before: Vec<&'static str>,
-    /// How long the diagnosis took, seconds.
+    /// Duration of the diagnosis, seconds.
     pub took_s: f64,
 }
 
 impl Outcome {
-    /// Effects that are identified.
+    /// The identified effects.
     #[must_use]
     pub fn identified(&self) -> Vec<&'static str> {
         self.said.as_ref().map_or_else(|_| Vec::new(), identified)
     }
 
-    /// Sets that can't be told apart; one that is listed under several sensors counts once.
+    /// Sets that can't be distinguished; one that is listed under several sensors counts once.
     #[must_use]
     pub fn sets(&self) -> Vec<Vec<&'static str>> {
         let mut sets: Vec<Vec<&'static str>> = Vec::new();
@@ -71,7 +71,7 @@ impl Outcome {
         sets
     }
 
-    /// The probability of every effect that was said to have one.
+    /// The reported probability of every effect that has one.
     #[must_use]
     pub fn probabilities(&self) -> Vec<(&'static str, f64)> {
         let sensors = self.said.iter().flat_map(|diagnosis| diagnosis.sensors.values());
@@ -98,7 +98,7 @@ fn fitted(diagnosis: &Diagnosis, effect: &str) -> Option<(f64, f64)> {
     candidates.find(|candidate| candidate.effect == effect).map(|c| (c.coefficient, c.sigma))
 }
 
-/// Everything that is tried with one log; `done` is called after every diagnosis.
+/// Runs all trials of one log; `done` is called after every diagnosis.
 #[must_use]
 pub fn of_log(log: &Log, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
     let seed = hash(&log.name);
@@ -134,10 +134,10 @@ pub fn of_log(log: &Log, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
             }
         }
         let Some(plain) = &plain else { continue };
-        // What it has of the effect already must not be cancelled.
+        // The added effect must not cancel the log's own.
         let own = fitted(plain, unit.effect()).map_or(0.0, |(own, _)| own);
         let is_against = own * unit.coefficient() < 0.0;
-        // One of the two kinds of lag, and one of the signs.
+        // Only one of the two kinds of lag, and one of the signs.
         if is_against || matches!(unit, Injection::LagLowPass(_)) {
             continue;
         }
@@ -151,7 +151,7 @@ pub fn of_log(log: &Log, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
     outcomes
 }
 
-/// Everything that a diagnosis names, in a set or not.
+/// All effects that a diagnosis names, in a set or not.
 fn said_of(diagnosis: &Diagnosis) -> Vec<&'static str> {
     diagnosis
         .missing()
@@ -161,13 +161,13 @@ fn said_of(diagnosis: &Diagnosis) -> Vec<&'static str> {
         .collect()
 }
 
-/// The two halves of what a diagnosis works on.
+/// The two halves of the rows that a diagnosis uses.
 fn halves(flight: &Flight, track: &Track) -> [Flight; 2] {
     let middle = usize::midpoint(track.used.start, track.used.end);
     [track.used.start..middle, middle..track.used.end].map(|rows| part(flight, rows))
 }
 
-/// These rows of a flight, as a log that was never launched.
+/// These rows of a flight, as a log without a launch.
 #[must_use]
 pub fn part(flight: &Flight, rows: Range<usize>) -> Flight {
     let cut = |column: &Column| {

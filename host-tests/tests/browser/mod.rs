@@ -1,4 +1,4 @@
-//! A browser without a window, and a page in it.
+//! A headless browser, and a page in it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::ffi::OsStr;
@@ -12,22 +12,22 @@ use headless_chrome::protocol::cdp::{Emulation, Input, Page};
 use headless_chrome::{Browser, LaunchOptions, Tab};
 use serde_json::Value;
 
-/// A browser on a busy machine takes its time.
+/// Timeout: a browser on a busy machine is slow.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// The browser's program, as `cargo xtask setup` installs it.
+/// The browser's executable, as installed by `cargo xtask setup`.
 const PROGRAMS: [&str; 3] = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
-/// Without these it asks its maker's servers for this and that.
+/// Without these options the browser contacts its vendor's servers.
 const QUIET: [&str; 4] = ["--disable-quic", "--disable-component-update", "--disable-sync", "--no-first-run"];
 
-/// A page that is open.
+/// An open page.
 pub struct Sheet {
     tab: Arc<Tab>,
-    /// Errors and warnings that the page's scripts wrote, or ended with.
+    /// Errors and warnings from the page's scripts, including exceptions.
     pub complaints: Arc<Mutex<Vec<String>>>,
     _browser: Browser,
 }
 
-/// Something done with the mouse.
+/// A mouse action.
 #[derive(Clone, Copy, Debug)]
 pub enum Mouse {
     Move,
@@ -41,7 +41,7 @@ impl Sheet {
         let program = PROGRAMS.iter().find(|program| Path::new(program).exists());
         let program = program.unwrap_or_else(|| panic!("no Chromium: `cargo xtask setup` installs it"));
         let options = LaunchOptions {
-            // Its sandbox is not for root, and the only page is ours.
+            // The browser's sandbox does not work for root, and the only page is ours.
             sandbox: false,
             window_size: Some((width, height)),
             path: Some(program.into()),
@@ -74,17 +74,17 @@ impl Sheet {
         sheet
     }
 
-    /// Value of an expression of the page, by way of JSON; null where it has none.
+    /// Value of an expression in the page, by way of JSON; null where it has none.
     pub fn value(&self, expression: &str) -> Value {
         let expression = format!("JSON.stringify({expression})");
-        // While a page gives way to the next one, there is nothing to ask.
+        // While one page replaces another, there is nothing to evaluate.
         match self.tab.evaluate(&expression, false).ok().and_then(|object| object.value) {
             Some(Value::String(json)) => serde_json::from_str(&json).unwrap(),
             _ => Value::Null,
         }
     }
 
-    /// A number of the page.
+    /// Value of a numeric expression in the page.
     pub fn number(&self, expression: &str) -> f64 {
         let value = self.value(expression);
         value.as_f64().unwrap_or_else(|| panic!("{expression} is {value}"))
@@ -104,7 +104,7 @@ impl Sheet {
         }
     }
 
-    /// The window's size, CSS pixels.
+    /// Sets the window's size, CSS pixels.
     pub fn resize(&self, width: u32, height: u32) {
         self.tab
             .call_method(Emulation::SetDeviceMetricsOverride {
@@ -126,7 +126,7 @@ impl Sheet {
             .unwrap();
     }
 
-    /// What the system says that it likes: `light` or `dark`.
+    /// Sets the system's preferred colour scheme: `light` or `dark`.
     pub fn prefer(&self, scheme: &str) {
         let feature = Emulation::MediaFeature { name: "prefers-color-scheme".into(), value: scheme.into() };
         self.tab
@@ -134,7 +134,7 @@ impl Sheet {
             .unwrap();
     }
 
-    /// Does something with the mouse at a place of the window; `clicks` tells a double click's second press.
+    /// Performs a mouse action at a place of the window; `clicks` marks the second press of a double click.
     pub fn mouse(&self, what: Mouse, (x, y): (f64, f64), clicks: u32) {
         let (kind, is_down) = match what {
             Mouse::Move => (Input::DispatchMouseEventTypeOption::MouseMoved, false),

@@ -1,5 +1,5 @@
-//! pymavlink, which is not ours, as the reader of the telemetry.
-// Every test file uses a part of this.
+//! pymavlink, an independent implementation, as the reader of the telemetry.
+// Each test file uses only part of this.
 #![allow(dead_code, clippy::unwrap_used, clippy::panic)]
 
 use std::path::{Path, PathBuf};
@@ -7,14 +7,14 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// What it made of the bytes of a line, message by message.
+/// Its decoding of the bytes of a line, message by message.
 pub fn decode(bytes: &[u8]) -> Vec<Value> {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), bytes).unwrap();
     run(&[file.path().as_os_str()])
 }
 
-/// What it made of a recording.
+/// Its decoding of a recording.
 pub fn decode_tlog(file: &Path) -> Vec<Value> {
     run(&["--tlog".as_ref(), file.as_os_str()])
 }
@@ -51,7 +51,7 @@ pub fn whole(message: &Value, field: &str) -> i64 {
     message[field].as_i64().unwrap_or_else(|| panic!("{field} of {message}"))
 }
 
-/// The values under a name: milliseconds and number.
+/// The values with that name: milliseconds and number.
 pub fn named(messages: &[Value], name: &str) -> Vec<(i64, f32)> {
     of(messages, "NAMED_VALUE_FLOAT")
         .into_iter()
@@ -65,7 +65,7 @@ pub fn texts(messages: &[Value]) -> Vec<String> {
     of(messages, "STATUSTEXT").iter().map(|message| message["text"].as_str().unwrap().to_owned()).collect()
 }
 
-/// How many sequence numbers are missing between neighbours.
+/// Number of missing sequence numbers between neighbours.
 pub fn gaps(messages: &[Value]) -> i64 {
     messages
         .windows(2)

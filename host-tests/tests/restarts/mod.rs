@@ -1,5 +1,5 @@
-//! Flights that are interrupted, held against the host.
-// Every test file uses a part of this.
+//! Interrupted flights, compared with the host.
+// Each test file uses only part of this.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use flight_computer::mission_mark;
@@ -16,9 +16,9 @@ use telemetry::{ComputerStatus, FrameQueue, Rates};
 
 use crate::ticks::{TICK_US, prompt};
 
-/// When the record's clock starts, microseconds.
+/// Start of the record's clock, microseconds.
 pub const FIRST_US: u64 = 1_000_000;
-/// What the emulated board passes over for a restart, microseconds.
+/// Time that the emulated board skips for a restart, microseconds.
 pub const OUTAGE_US: u64 = 100_000;
 pub fn model() -> Model {
     prompt(Model::default())
@@ -34,13 +34,13 @@ pub fn bits(output: &TickOutput) -> Vec<u8> {
     postcard::to_slice(output, &mut buffer).unwrap().to_vec()
 }
 
-/// Does on the host what the flight computer says that it did, and holds every tick of it to the host's bits;
-/// returns the latch that the host came to.
+/// Repeats on the host what the flight computer reports that it did, and compares every tick with the host's
+/// bits; returns the host's latch.
 pub fn same_on_the_host(flown: &RawFlight) -> Option<LatchRecord> {
     on_the_host(flown).0
 }
 
-/// As [`same_on_the_host`]; returns as well what the host would have sent from each start on.
+/// As [`same_on_the_host`]; also returns what the host would have sent from each start on.
 pub fn on_the_host(flown: &RawFlight) -> (Option<LatchRecord>, Vec<Vec<u8>>) {
     let model = model();
     let mut host = mission(&model).unwrap();
@@ -73,7 +73,7 @@ pub fn on_the_host(flown: &RawFlight) -> (Option<LatchRecord>, Vec<Vec<u8>>) {
     (host.latch().cloned(), lines)
 }
 
-/// The report of the only restart, which goes on in free flight, and the first tick after it.
+/// The report of the only restart, which continues in free flight, and the first tick after it.
 pub fn resumed(flown: &RawFlight) -> (RestartReport, &TickRecord) {
     let (ticks, report) = &flown.restarts[0];
     assert_eq!(report.start, Start::Resumed, "{:?}", flown.log);
@@ -84,7 +84,7 @@ pub fn resumed(flown: &RawFlight) -> (RestartReport, &TickRecord) {
     let snapshot_us = report.snapshot_us.unwrap();
     assert_eq!(first.output.bridged_us, Some(first.output.time_us - snapshot_us));
     let mark_us = report.mark.unwrap().time_us;
-    // A snapshot every 0.1 s, and the task that keeps it runs within a tick.
+    // A snapshot is taken every 0.1 s, and the task that keeps it runs within a tick.
     assert!(mark_us - snapshot_us <= 105_000, "{report:?}");
     (*report, first)
 }

@@ -1,11 +1,11 @@
-//! Models whose generated source is compared with the host's; between them every key has a value that
-//! is not the default's.
+//! Models whose generated source is compared with the host's; together they give every key a value that is
+//! not the default's.
 
 pub const DEFAULT: &str = "";
 
 pub const PAPER: &str = include_str!("../../../flights/models/paper.toml");
 
-/// Floats that a decimal form could easily miss: a subnormal, the largest, a negative zero.
+/// Floats that a decimal form could easily lose: a subnormal, the largest, a negative zero.
 pub const ESTIMATED: &str = r#"
     settling_s = 0.1
     second_correction = "kalman"

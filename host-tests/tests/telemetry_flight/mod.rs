@@ -1,5 +1,5 @@
-//! The flight whose telemetry is looked at, and the flying of it.
-// Every test file uses a part of this.
+//! The flight whose telemetry is tested, and how it is flown.
+// Each test file uses only part of this.
 #![allow(dead_code, clippy::unwrap_used)]
 
 use kf_core::input::TickInput;
@@ -18,8 +18,8 @@ pub fn model() -> Model {
     )
 }
 
-/// The flight of `ticks`, with outside air and an inertial altitude that is none. From 21.2 to 29 s there is
-/// no fix, and from 27 s on the inertial altitude, until then without error, is 30 m too high.
+/// The flight of `ticks`, with outside air and one invalid inertial altitude. From 21.2 to 29 s there is no
+/// fix, and from 27 s on the inertial altitude, until then without error, is 30 m too high.
 pub fn inputs() -> Vec<TickInput> {
     let mut inputs = flight();
     for (k, input) in inputs.iter_mut().enumerate() {
@@ -31,25 +31,25 @@ pub fn inputs() -> Vec<TickInput> {
         let error_m = free_s * free_s - if (5_200..5_600).contains(&k) { 30.0 } else { 0.0 };
         input.imu_slave_altitude_m = input.imu_slave_altitude_m.map(|altitude_m| altitude_m - error_m);
     }
-    // The dive is at its rate from the first tick on.
+    // The dive has its full rate from the first tick on.
     inputs[LAUNCH].gps.as_mut().unwrap().velocity_down_mps = Some(30.0);
     inputs[3_002].imu_slave_altitude_m = Some(f32::NAN);
     inputs
 }
 
-/// The tick of a time, microseconds.
+/// The tick at a time, microseconds.
 pub fn tick_of(time_us: i64) -> usize {
     (time_us as u64 - 1_000_000).div_euclid(TICK_US) as usize
 }
 
-/// A tick as the host's estimator has it.
+/// A tick with the host estimator's results.
 pub struct Tick {
     pub input: TickInput,
     pub output: TickOutput,
     pub counters: Counters,
 }
 
-/// Every tick, and what was latched.
+/// All ticks, and the latch.
 pub fn ticks() -> (Vec<Tick>, LatchRecord) {
     let mut mission = pylon::replay::mission(&model()).unwrap();
     let ticks = inputs()

@@ -1,17 +1,17 @@
-//! A made-up flight, tick by tick: 20 s captive at 2000 m, launch, 10 s of a dive. It is for what does not
-//! care whether the numbers are those of an aircraft.
-// Every test file uses a part of this.
+//! A made-up flight, tick by tick: 20 s captive at 2000 m, launch, 10 s of a dive. For tests that do not
+//! depend on realistic numbers.
+// Each test file uses only part of this.
 #![allow(dead_code, clippy::panic)]
 
 use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 use model::Model;
 use pylon::fly::FlyError;
 
-/// Microseconds of a tick.
+/// Length of a tick, microseconds.
 pub const TICK_US: u64 = 5_000;
 /// The first tick of free flight.
 pub const LAUNCH: usize = 4_000;
-/// Ticks in all.
+/// Number of ticks.
 pub const TICKS: usize = 6_000;
 
 /// The default model, calibrating from the first tick on, so that a flight can be short.
@@ -57,7 +57,7 @@ pub fn flight() -> Vec<TickInput> {
                     fix_time_us: None,
                 }),
                 baro: (k % 4 == 0).then(|| {
-                    // 11.1 m/hPa near 2000 m, and a static port that feels the dynamic pressure.
+                    // 11.1 m/hPa near 2000 m, and a static port that is affected by the dynamic pressure.
                     let error_m = 0.04 * airspeed_mps * airspeed_mps / 19.6;
                     BaroReading::PressurePa(
                         79_495.0 - (altitude_m - 2_000.0 + error_m) * 9.87 + 3.0 * noise.next(),
@@ -76,7 +76,7 @@ pub fn flight() -> Vec<TickInput> {
                     sideslip_rad: (k % 4 == 0).then_some(0.02),
                     throttle: (k % 4 == 0).then_some(0.6),
                     baro_temperature_c: (k % 100 == 0).then_some(25.0),
-                    // Not one value: effects of the attitude shall move. Slowly, and back and forth.
+                    // Not constant: effects of the attitude must change. Slowly, and back and forth.
                     attitude_rad: Some([0.3 - swing, 0.5 * swing - 0.1, 1.0]),
                     ..Signals::default()
                 },
@@ -86,7 +86,7 @@ pub fn flight() -> Vec<TickInput> {
         .collect()
 }
 
-/// The result, or a test that fails with the error's own words: they say what to install.
+/// The result, or a test failure with the error's own words, which say what to install.
 pub fn must<T>(result: Result<T, FlyError>) -> T {
     result.unwrap_or_else(|error| panic!("{error}"))
 }

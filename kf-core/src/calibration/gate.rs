@@ -1,58 +1,61 @@
-//! Which readings of a source are outliers, and when it is the filter that is wrong.
+//! Decides which readings of a source are outliers, and when the filter itself is wrong.
 //!
-//! An innovation is an outlier beyond [`GATE_SIGMAS`]. Two things keep that from locking out a source that is
-//! well:
+//! An innovation beyond [`GATE_SIGMAS`] is an outlier. Two mechanisms keep that from locking out a healthy
+//! source:
 //!
-//! - How large its innovations really are is followed by a mean of the NIS that no outlier can move much (a
+//! - The real size of its innovations is tracked by a mean of the NIS that no outlier can move much (a
 //!   winsorised mean; P. J. Huber, "Robust Statistics", Wiley 1981). Where they are clearly larger than the
-//!   model says, the gate and the noise that the filter weighs the source with grow with them: the gate lets
-//!   a noisy sensor in, and the weight keeps it from moving the others.
+//!   model predicts, the gate grows with them, and so does the noise that the filter weighs the source with:
+//!   the gate lets a noisy sensor in, and the weight keeps it from moving the others.
 //! - Outliers that stay on one side are a level, not outliers: once they have outlasted what the filter's
-//!   opinion rests on, or [`STEP_AFTER_US`], the opinion is given up.
+//!   estimate rests on, or [`STEP_AFTER_US`], the estimate is given up.
 //!
-//! Outliers that come close together put a source on probation: its readings are judged, but not taken, until
-//! some fifty in a row have been within the gate. What a broken source has within the gate by chance moves no
-//! other's state.
+//! Outliers in quick succession put a source on probation: its readings are judged, but not taken, until some
+//! fifty in a row have been within the gate. Readings of a broken source that are within the gate by chance
+//! then move no other state.
 
 use crate::guard::Guard;
 use crate::time::seconds_between;
 
-/// Beyond this many sigmas an innovation is an outlier. A Gaussian one is so once in 5e8, or once in a
-/// hundred days at 50 Hz, and what is cut off takes 1e-7 off a variance: the residual's sigma needs no
+/// An innovation beyond this many sigmas is an outlier. A Gaussian one is so once in 5e8, or once in a
+/// hundred days at 50 Hz, and the cut-off reduces a variance by 1e-7: the residual's sigma needs no
 /// correction.
 pub(super) const GATE_SIGMAS: f32 = 6.0;
-/// An NIS counts in their mean up to three sigmas: of Gaussian innovations that takes off 0.5 %.
+/// An NIS is clipped at this many sigmas in the mean: for Gaussian innovations, with three, that reduces the
+/// mean by 0.5 %.
 const CLIPPED_SIGMAS: f32 = 3.0;
 /// Memory of that mean, seconds. A second of nothing but outliers raises it by exp(8 / 20), and so the gate's
 /// width by a fifth.
 const MEMORY_S: f32 = 20.0;
-/// Longest step of it, seconds.
+/// Longest step of that mean, seconds.
 const LONGEST_STEP_S: f32 = 5.0;
-/// Up to this the mean may be chance or a harmless inaccuracy of the model (innovations 1.4 times as large as
-/// it says): the model's word stands.
+/// Up to this value the mean may be chance or a harmless inaccuracy of the model (innovations 1.4 times as
+/// large as it predicts): the model is used as it is.
 const TOLERATED_SPREAD: f32 = 2.0;
-/// The model can be wrong by no more: a source with ten times its noise is not the one that the model is of.
+/// Largest error of the model that is accepted: a source with ten times its noise is not the source that was
+/// modelled.
 pub(super) const LARGEST_SPREAD: f32 = 100.0;
-/// Fewer outliers in a row overturn nothing: two may be a glitch and its echo in a driver's average.
+/// Fewest outliers in a row that overturn the estimate: two may be a glitch and its echo in a driver's
+/// average.
 const FEWEST_TO_OVERTURN: u32 = 3;
 /// Outliers on one side for this long are a step, microseconds. A transient lasts a second; the gate's width
 /// reaches the smaller steps sooner.
 const STEP_AFTER_US: u64 = 5_000_000;
-/// So many readings within the gate make up for one outlier: those that come more rarely, up to twice the
-/// share that a good calibration may have, are refused one by one and cost no others.
+/// This many readings within the gate make up for one outlier. Rarer outliers, up to twice the share that a
+/// good calibration may have, are refused one by one and cost no other readings.
 const FITS_PER_OUTLIER: u32 = 20;
-/// A probation that lasts ends after 50 readings in a row within the gate. Noise of which the widest gate
-/// lets in three quarters (any bits, around the level that it set last) gets there once in 2e6; a source of
-/// 50 Hz that is well again waits for a second.
+/// A lasting probation ends after 50 readings in a row within the gate. Noise of which the widest gate lets
+/// in three quarters (any bits, around the level that it set last) gets there once in 2e6; a source of 50 Hz
+/// that has recovered waits for a second.
 const MOST_TO_MAKE_UP: u32 = FITS_PER_OUTLIER + 50;
 
-/// What has come of an outlier.
+/// How an outlier was treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
-    /// It is one.
+    /// As an outlier.
     Outlier,
-    /// The readings have a level of their own: what was believed of the source is void, and the next one is
-    /// to be believed.
+    /// The readings are on a level of their own: the estimate for the source is void, and the next reading is
+    /// to be accepted.
     Overturned,
 }
 
@@ -62,16 +65,16 @@ pub(super) struct SourceGate {
     /// Winsorised mean of the NIS: 1 where the model is right.
     spread: f32,
     seen_us: Option<u64>,
-    /// Readings taken since the source was last believed anew.
+    /// Readings taken since the source was last accepted again.
     taken: u32,
-    /// Outliers in a row on the same side, the first one's time, and which side that is.
+    /// Outliers in a row on the same side, the time of the first, and which side that is.
     run: u32,
     run_since_us: u64,
     is_above: bool,
-    /// Readings within the gate that are missing to make up for the outliers.
+    /// Readings within the gate that are still needed to make up for the outliers.
     to_make_up: u32,
     readings: u32,
-    /// Of those: outliers, and what a level that was given up rested on.
+    /// Of those: outliers, and readings that a level which was given up rested on.
     misfits: u32,
     /// A level that was well founded was given up.
     has_stepped: bool,
@@ -91,8 +94,8 @@ impl SourceGate {
         has_stepped: false,
     };
 
-    /// By what factor the source's innovations have a larger variance than the model says: gate and noise
-    /// grow by it.
+    /// Factor by which the variance of the source's innovations exceeds the model's; gate and noise grow by
+    /// it.
     #[inline(always)]
     pub(super) fn excess(&self) -> f32 {
         if self.spread <= TOLERATED_SPREAD { 1.0 } else { smaller(self.spread, LARGEST_SPREAD) }
@@ -136,34 +139,34 @@ impl SourceGate {
         Outcome::Overturned
     }
 
-    /// Counts a reading that was none.
+    /// Counts an invalid reading.
     pub(super) fn note_misfit(&mut self) {
         self.readings = self.readings.saturating_add(1);
         self.misfits = self.misfits.saturating_add(1);
     }
 
-    /// Whether the next reading is only to be judged. The first one of a new level is taken: nothing is known
-    /// of the bias, so it says nothing of the altitude.
+    /// Whether the next reading is only to be judged. The first one of a new level is taken: the bias is
+    /// unknown, so the reading carries no information on the altitude.
     #[inline(always)]
     pub(super) const fn is_on_probation(&self) -> bool {
         self.to_make_up > FITS_PER_OUTLIER && self.taken > 0
     }
 
-    /// What is known of the source is void; how much its innovations seemed to spread as well, for they were
-    /// against what is void.
+    /// Discards what is known of the source, including the spread of its innovations: they referred to what
+    /// is now void.
     pub(super) fn believe_anew(&mut self) {
         (self.taken, self.run, self.spread) = (0, 0, 1.0);
     }
 
-    /// The source was lost: what was known of it is void. The outliers since then still count, or one that
-    /// has come back elsewhere would be refused for ever.
+    /// The source was lost: what was known of it is void. The outliers since then still count; otherwise a
+    /// source that has come back on another level would be refused for ever.
     pub(super) fn begin_anew(&mut self) {
         if self.taken > 0 {
             self.believe_anew();
         }
     }
 
-    /// Whether the source has ever been believed for longer than a glitch lasts.
+    /// Whether the source has ever been accepted for longer than a glitch lasts.
     pub(super) const fn is_established(&self) -> bool {
         self.readings.saturating_sub(self.misfits) > 10
     }
@@ -178,13 +181,14 @@ impl SourceGate {
         self.spread += (clipped - self.spread) * (smaller(seconds, LONGEST_STEP_S) * (1.0 / MEMORY_S));
     }
 
-    /// Whether the source has been consistent: no step, and not more misfits than may be implausible.
+    /// Whether the source has been consistent: no step, and no larger share of misfits than may be
+    /// implausible.
     pub(super) fn is_consistent(&self, implausible_share: f32) -> bool {
         !self.has_stepped && self.misfits as f32 <= implausible_share * self.readings as f32
     }
 }
 
-/// `f32::min` of numbers, in place: on the target that is a call.
+/// `f32::min` of numbers, inlined: on the target the original is a call.
 #[inline(always)]
 const fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }

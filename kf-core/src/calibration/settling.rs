@@ -1,18 +1,19 @@
-//! The level that a sensor was on in the settling time: whether the calibration's bias is of the same one.
+//! The level that a sensor was on in the settling time: checks whether the calibration's bias is on the same
+//! one.
 //!
 //! A sensor that steps between settling and calibration leaves a bias that is consistent with every later
-//! reading, and it is nobody's to say which of the two levels is the sound one. So the step is told, as
-//! readings that are not consistent.
+//! reading, and nothing shows which of the two levels is right. The step is therefore reported as
+//! inconsistent readings.
 
 use crate::config::{MissionConfig, SensorConfig};
 
 use super::gate::GATE_SIGMAS;
 use super::square;
 
-/// A sensor's first residual of the settling time that the next one confirmed.
+/// The first residual of a sensor in the settling time that the next one confirmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SettlingLevel {
-    /// Metres; not a number before the first.
+    /// Metres; NaN before the first.
     first_m: f32,
     is_confirmed: bool,
 }
@@ -20,7 +21,7 @@ pub(super) struct SettlingLevel {
 impl SettlingLevel {
     pub(super) const NEW: Self = Self { first_m: f32::NAN, is_confirmed: false };
 
-    /// Notes a residual, metres, against a reference that is said to be good.
+    /// Notes a residual, metres, against a reference that is reported to be good.
     pub(super) fn note<const E: usize>(
         &mut self,
         config: &MissionConfig<E>,
@@ -37,8 +38,8 @@ impl SettlingLevel {
         }
     }
 
-    /// Whether a bias, metres, estimated over so long, is still of that level. Where nothing was confirmed,
-    /// nothing contradicts it.
+    /// Whether a bias, metres, estimated over that duration, is still on that level. An unconfirmed level
+    /// contradicts nothing.
     pub(super) fn is_level_of<const E: usize>(
         &self,
         config: &MissionConfig<E>,

@@ -1,5 +1,5 @@
-//! What a held calibration's statistics say of its quality, one part at a time: all of them in one tick would
-//! cost a third of it.
+//! Judges the statistics of a held calibration, one part at a time: all of them in one tick would take a
+//! third of it.
 
 use super::{Calibration, square};
 use crate::block_statistics::{BlockStatistics, Trend};
@@ -9,23 +9,23 @@ use crate::quality::{Check, FailedChecks};
 use crate::reference::ReferenceTracker;
 use crate::sensor::{SENSORS, Sensor};
 
-/// A drift counts when it is beyond this many of its standard errors.
+/// A drift counts beyond this many of its standard errors.
 const SIGNIFICANT_SIGMAS: f32 = 3.0;
 
-/// The checks that are still to be made. The calibration they are of takes no more data meanwhile.
+/// The checks that are still to be made. Their calibration takes no more data meanwhile.
 #[derive(Clone, Debug)]
 pub(crate) struct StatisticalChecks {
     /// Sensors whose trends are known.
     trends: heapless::Vec<Option<Trend>, SENSORS>,
-    /// For how long was calibrated, seconds.
+    /// Duration of the calibration, seconds.
     duration_s: f32,
-    /// What the receiver itself reported when the calibration was held was good enough.
+    /// The quality that the receiver reported when the calibration was held was sufficient.
     reported: bool,
     stationary: bool,
 }
 
 impl StatisticalChecks {
-    /// The checks that these are.
+    /// The checks made here.
     const CHECKS: [Check; 5] = [
         Check::TrimmedAltitude,
         Check::TrimmedAirspeed,
@@ -34,8 +34,9 @@ impl StatisticalChecks {
         Check::InnovationsPlausible,
     ];
 
-    /// Of a calibration that is held now, after `duration_s`. Nothing is checked yet, and whoever has to go
-    /// on without the outcome, as after a restart, is not to take it for good: all are noted as failed.
+    /// Checks of a calibration that is held now, after `duration_s`. Nothing is checked yet, so all are noted
+    /// as failed: a caller that has to continue without the outcome, as after a restart, must not take the
+    /// calibration for a good one.
     pub(crate) fn begin<const E: usize>(
         config: &MissionConfig<E>,
         duration_s: f32,
@@ -49,7 +50,7 @@ impl StatisticalChecks {
         Self { trends: heapless::Vec::new(), duration_s, reported, stationary: true }
     }
 
-    /// Makes one more part of them and settles what is known by then; true when that was the last.
+    /// Makes one more part of the checks and settles what is known by then; true when that was the last.
     #[inline(never)]
     pub(crate) fn evaluate_next<const HEAD: usize, const TAIL: usize, const E: usize>(
         &mut self,
@@ -70,18 +71,18 @@ impl StatisticalChecks {
         is_done
     }
 
-    /// Of the next sensor.
+    /// Checks the next sensor's trend.
     fn check_trend<const E: usize>(&mut self, config: &MissionConfig<E>, residuals: &BlockStatistics) {
         let trend = residuals.trend();
         if let (Some(trend), Some(summary)) = (trend, residuals.summary()) {
-            // A sensor is not blamed for a drift that the reference's own wander makes of itself.
+            // A drift that the reference's own wander causes is not blamed on the sensor.
             let wander_m2 = square(config.reference.sigma_m)
                 * drift_variance_factor(self.duration_s, config.reference.correlation_time_s);
             let against_wander = Trend { drift_variance: trend.drift_variance + wander_m2, ..trend };
             self.stationary &= !is_significant(&against_wander)
                 || square(trend.drift) <= square(config.quality.bias_drift_sigmas) * summary.variance;
         }
-        // Cannot be full: there are no more sensors than places.
+        // Cannot be full: there are as many places as sensors.
         let _ = self.trends.push(trend);
     }
 
@@ -112,7 +113,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
             .summary()
             .is_none_or(|summary| summary.block_variance <= square(limits.trimmed_altitude_m));
         failed.settle(Check::TrimmedAltitude, altitude_is_quiet);
-        // Of V^2: its deviation is 2 V times the airspeed's.
+        // In terms of V^2: its deviation is 2 V times the airspeed's.
         let airspeed_is_quiet = self.airspeed_squared.summary().is_none_or(|summary| {
             summary.block_variance <= 4.0 * summary.mean * square(limits.trimmed_airspeed_mps)
         });
@@ -128,8 +129,8 @@ fn is_significant(trend: &Trend) -> bool {
     square(trend.drift) > square(SIGNIFICANT_SIGMAS) * trend.drift_variance
 }
 
-/// Whether at least two sensors drift against the reference, all by as much: then it is the
-/// reference's drift before it is theirs by coincidence.
+/// Whether at least two sensors drift against the reference, all by the same amount: that is more likely the
+/// reference's drift than a coincidence of theirs.
 fn drift_is_common(trends: &[Option<Trend>], limit_m: f32) -> bool {
     let mut known = trends.iter().flatten();
     let Some(first) = known.next() else { return false };

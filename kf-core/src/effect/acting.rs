@@ -1,10 +1,10 @@
-//! Which of a model's effects act on what: asked several times a tick, so looked up once.
+//! Which effects of a model act on what: needed several times a tick, so looked up once.
 
 use super::EffectSubject;
 use crate::config::MissionConfig;
 use crate::sensor::SENSORS;
 
-/// One bit an effect, for each subject: the reference, then the sensors in the order of
+/// One bit per effect, for each subject: the reference, then the sensors in the order of
 /// [`crate::sensor::Sensor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ActingEffects {
@@ -13,7 +13,7 @@ pub(crate) struct ActingEffects {
 }
 
 impl ActingEffects {
-    /// Of a model's effects.
+    /// Looks up a model's effects.
     pub(crate) fn of<const E: usize>(config: &MissionConfig<E>) -> Self {
         let mut acting = Self { estimated: [0; 1 + SENSORS], constant: [0; 1 + SENSORS] };
         for (effect, term) in config.estimated_effects.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Effects on the barometer.
 //!
-//! An error `dp` of the static pressure is one of `-dp / (rho g)` in pressure altitude (hydrostatic
+//! An error `dp` of the static pressure causes one of `-dp / (rho g)` in pressure altitude (hydrostatic
 //! equation), so a pressure coefficient `Cp` at the port reads `-Cp V^2 / (2 g)`: the density cancels.
 //! Sources for sizes: Gracey, "Measurement of Aircraft Speed and Altitude", NASA RP-1046 (1980), on static
 //! ports and on lag; TE Connectivity, MS5611-01BA03 data sheet.
@@ -38,8 +38,8 @@ pub(super) const DYNAMIC_PRESSURE: Row = Row {
     value: |tracker, _| head_m(tracker),
 };
 
-/// The mother ship's pressure field at the port, a `Cp` of her making: in captive flight it is in the bias,
-/// so the release shows it with the opposite sign. Bounds as for the port's own.
+/// The mother ship's pressure field at the port, a `Cp` that she causes. In captive flight it is part of the
+/// bias, so the release shows it with the opposite sign. Bounds as for the port's own.
 pub(super) const CARRIER_FIELD: Row = Row {
     name: "baro.carrier_field",
     value: |tracker, _| tracker.latched_airspeed_squared_m2ps2().map(dynamic_pressure_head_m),
@@ -60,8 +60,8 @@ pub(super) const ANGLE_OF_ATTACK: Row = Row {
 };
 
 /// Even in sideslip: ports on both sides, joined, cancel the odd part. A cylinder across the flow has
-/// `Cp = 1 - 4 sin^2` of the angle round it (potential flow; Anderson, section 3.13), so `Cp` changes by
-/// -3 to 1 times sideslip squared; both signs are let in for ports in another body's flow.
+/// `Cp = 1 - 4 sin^2` of the angle round it (potential flow; Anderson, section 3.13), so `Cp` changes by -3
+/// to 1 times sideslip squared; both signs are allowed, for ports in another body's flow.
 pub(super) const SIDESLIP: Row = Row {
     name: "baro.sideslip",
     unit: "1/rad^2",
@@ -76,8 +76,8 @@ pub(super) const SIDESLIP: Row = Row {
     ..DYNAMIC_PRESSURE
 };
 
-/// First-order lag: the reading is that of the lag's time ago. Tubing and chamber of a UAV take some 0.01
-/// to 1 s, long lines several (Gracey, on lag). Never negative.
+/// First-order lag: the reading is the altitude one lag ago. Tubing and chamber of a UAV take some 0.01 to 1
+/// s, long lines several (Gracey, on lag). Never negative.
 pub(super) const LAG: Row = Row {
     name: "baro.lag",
     unit: "s",
@@ -89,7 +89,7 @@ pub(super) const LAG: Row = Row {
     ..DYNAMIC_PRESSURE
 };
 
-/// A column of air `dT` off the standard's 288 K is that much thicker: 40 K (MIL-HDBK-310's extremes) is
+/// A column of air `dT` off the standard's 288 K is thicker in proportion: 40 K (MIL-HDBK-310's extremes) is
 /// 14 %.
 pub(super) const SCALE: Row = Row {
     name: "baro.scale",

@@ -1,5 +1,5 @@
-//! The catalogue: which effects there are. A new effect is one row (beside its formula in the file of
-//! its family) and one line in the list at this file's end.
+//! The catalogue of effects. A new effect is one row (beside its formula in the file of its family) and one
+//! line in the list at this file's end.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use crate::sensor::Sensor;
 /// What an effect acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum EffectSubject {
-    /// The reference's altitude; with the opposite sign it shows in every sensor's residual at once.
+    /// The reference's altitude; it shows in every sensor's residual at once, with the opposite sign.
     Gps,
     /// One sensor's altitude.
     Sensor(Sensor),
@@ -28,7 +28,7 @@ impl EffectSubject {
     }
 }
 
-/// Signals that a row's formula reads, so that the tracker leaves out what no effect of a model reads.
+/// Signals that a row's formula reads, so that the tracker can skip those that no effect of a model reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Uses(pub u16);
 
@@ -47,7 +47,7 @@ impl Uses {
     pub(crate) const EOTVOS: Self = Self(1 << 10);
     /// Height or climb rate.
     pub(crate) const HEIGHT: Self = Self(1 << 11);
-    /// Whatever is integrated from launch on, but for the vibration.
+    /// Everything that is integrated from launch on, except the vibration.
     pub(crate) const INTEGRATED: Self =
         Self::VERTICAL.and(Self::FORWARD).and(Self::GRAVITY).and(Self::EOTVOS);
     pub(crate) const EVERYTHING: Self = Self(u16::MAX);
@@ -72,7 +72,7 @@ pub(super) struct Row {
     pub plausible: [f32; 2],
     pub typical_regressor_m: f32,
     pub has_time_constant: bool,
-    /// Regressor now, metres per unit of coefficient; `None` while a signal has not been seen.
+    /// Present regressor, metres per unit of coefficient; `None` while a signal has not been seen.
     pub value: fn(&SignalTracker, &Regressor) -> Option<f32>,
 }
 
@@ -83,7 +83,7 @@ macro_rules! catalogue {
         #[non_exhaustive]
         pub enum EffectId {
             $($(#[$doc])* $variant,)*
-            /// One by formula, of a model.
+            /// An effect by formula, defined by a model.
             Defined(Defined),
         }
 
@@ -130,33 +130,33 @@ impl EffectId {
     }
 
     /// Columns of a flight that the regressor needs. Airspeed and forward acceleration have stand-ins
-    /// ([`SignalTracker::airspeed_source`], [`SignalTracker::acceleration_source`]): whether a flight
-    /// has enough is what [`SignalTracker::regressor_m`] says.
+    /// ([`SignalTracker::airspeed_source`], [`SignalTracker::acceleration_source`]); whether a flight has
+    /// enough is decided by [`SignalTracker::regressor_m`].
     #[must_use]
     pub const fn needs(self) -> &'static [&'static str] {
         self.row().needs
     }
 
-    /// Range in which nature keeps the coefficient, in [`Self::unit`]; the source is with each effect.
+    /// Range of the coefficient in nature, in [`Self::unit`]; the source is given with each effect.
     #[must_use]
     pub const fn plausible(self) -> [f32; 2] {
         self.row().plausible
     }
 
-    /// A power of two near the regressor's size in flight (metres): the coefficient's state is kept
-    /// in units of its inverse, so that every state of the filter is of the same order.
+    /// A power of two near the regressor's size in flight (metres): the coefficient's state is kept in units
+    /// of its inverse, so that all states of the filter are of the same order.
     #[must_use]
     pub const fn typical_regressor_m(self) -> f32 {
         self.row().typical_regressor_m
     }
 
-    /// Whether [`Regressor::time_constant_s`] and [`Regressor::since`] mean something to this effect.
+    /// Whether the effect uses [`Regressor::time_constant_s`] and [`Regressor::since`].
     #[must_use]
     pub const fn has_time_constant(self) -> bool {
         self.row().has_time_constant
     }
 
-    /// What an effect by formula is made of; `None` for one of the catalogue.
+    /// Parts of an effect by formula; `None` for one of the catalogue.
     #[must_use]
     pub const fn formula(self) -> Option<&'static Parts> {
         match self {
@@ -165,7 +165,7 @@ impl EffectId {
         }
     }
 
-    /// The effect of the catalogue that has that id, or `None`.
+    /// The catalogue's effect with that id, or `None`.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|effect| effect.name() == name)

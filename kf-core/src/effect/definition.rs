@@ -1,4 +1,4 @@
-//! An effect by formula: a row of one's own for the catalogue.
+//! An effect by formula: a model's own addition to the catalogue.
 
 use core::cmp::Ordering;
 use core::fmt;
@@ -11,63 +11,63 @@ use crate::input::{GpsFix, TickInput};
 use super::formulas::run;
 use super::{EffectTerm, SignalTracker};
 
-/// What runs formulas. Reached by a reference from each definition, so that an image without any does not
-/// have it, and made where the definition is, so that it is compiled as that crate is: for speed in the
-/// flight computer's image, whose `kf-core` is for size.
+/// Runs formulas. Each definition refers to it, so that an image without definitions does not contain it. It
+/// is made where the definition is, so that it is compiled as that crate is: for speed in the flight
+/// computer's image, whose `kf-core` is compiled for size.
 pub(crate) struct Machine {
     pub take: fn(&mut Frame, u64, &TickInput, Option<&GpsFix>, &SignalTracker),
     pub run: Run,
 }
 
-/// As [`run`].
+/// Signature of [`run`].
 type Run =
     for<'a> fn(&[EffectTerm], &mut [Option<f32>], &'a mut [f32], &mut Stack, &Frame) -> (&'a mut [f32], u32);
 
-/// What an effect by formula is made of.
+/// Parts of an effect by formula.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     /// Its id in model files and on the command line.
     pub name: &'static str,
     /// What it acts on.
     pub subject: EffectSubject,
-    /// Unit of its coefficient; times the formula's it is metres.
+    /// Unit of its coefficient; multiplied by the formula's unit it gives metres.
     pub unit: &'static str,
     /// Columns of a flight that the formula reads.
     pub needs: &'static [&'static str],
-    /// Range in which nature keeps the coefficient, in that unit.
+    /// Range of the coefficient in nature, in that unit.
     pub plausible: [f32; 2],
     /// See [`super::EffectId::typical_regressor_m`].
     pub typical_regressor_m: f32,
     /// The formula, metres per unit of the coefficient.
     pub program: Program,
-    /// Its text.
+    /// Text of the formula.
     pub law: &'static str,
-    /// What it is, for the reader.
+    /// Description for the reader.
     pub about: &'static str,
-    /// Stands for what it acts on, its unit and its formula, whatever its layout: a learned coefficient is
-    /// one of this.
+    /// Identifies the subject, the unit and the formula, whatever the formula's layout: a learned coefficient
+    /// belongs to one fingerprint.
     pub fingerprint: u64,
 }
 
-/// An effect by formula, for [`super::EffectId::Defined`]. Two with the same name and fingerprint are the
-/// same.
+/// An effect by formula, for [`super::EffectId::Defined`]. Two definitions with the same name and fingerprint
+/// are equal.
 pub struct Definition {
     parts: Parts,
     pub(super) row: Row,
     pub(crate) machine: &'static Machine,
 }
 
-/// Which effect by formula an id means.
+/// The effect by formula that an id refers to.
 #[cfg(feature = "formulas")]
 pub type Defined = &'static Definition;
 
-/// Which effect by formula an id means. In an image without the feature `formulas` there is none, so that an
+/// The effect by formula that an id refers to. An image without the feature `formulas` has none, so that an
 /// id takes one byte.
 #[cfg(not(feature = "formulas"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Defined {}
 
-/// The definition that an id means.
+/// The definition that an id refers to.
 pub(super) const fn definition_of(defined: Defined) -> &'static Definition {
     #[cfg(feature = "formulas")]
     return defined;
@@ -76,7 +76,7 @@ pub(super) const fn definition_of(defined: Defined) -> &'static Definition {
 }
 
 impl Definition {
-    /// The effect of these parts.
+    /// Makes an effect of these parts.
     #[must_use]
     pub const fn new(parts: Parts, has_time_constant: bool) -> Self {
         let row = Row {
@@ -94,7 +94,7 @@ impl Definition {
         Self { parts, row, machine: &Machine { take: Frame::take, run } }
     }
 
-    /// What it was made of.
+    /// The parts that it was made of.
     #[must_use]
     pub const fn parts(&self) -> &Parts {
         &self.parts

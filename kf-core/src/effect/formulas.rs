@@ -1,4 +1,4 @@
-//! The formulas of a model, tick by tick.
+//! Runs the formulas of a model, tick by tick.
 
 use super::definition::{Machine, definition_of};
 use super::{EffectId, EffectTerm, SignalTracker};
@@ -7,13 +7,13 @@ use crate::formula::{Frame, Silent, Stack, step};
 use crate::input::{GpsFix, TickInput};
 use crate::sensor::SENSORS;
 
-/// How many numbers the formulas of a model without estimated effects can remember, all together; none in an
-/// image whose model has no formula, which then does not pay for the room.
+/// Limit on the numbers that the formulas of a model without estimated effects can remember together; zero in
+/// an image whose model has no formula, which then needs no memory for them.
 pub const MAX_FORMULA_WORDS: usize = if cfg!(feature = "formulas") { formula_words(0) } else { 0 };
 
-/// How many numbers the formulas of a model can remember beside so many estimated effects: with them the
-/// snapshot of a mission is no longer than that of the model with the most estimated effects, which is as
-/// long as there is room for.
+/// Limit on the numbers that the formulas of a model can remember beside that many estimated effects: a
+/// mission's snapshot is then no longer than that of the model with the most estimated effects, which takes
+/// all the room there is.
 ///
 /// Each estimated effect fewer saves its coefficient, its row of the covariance, and its regressor at the
 /// last fix; the count of silent formulas and the length take two of these words.
@@ -24,11 +24,11 @@ pub const fn formula_words(estimated: usize) -> usize {
     (most * (most + 1) / 2 - own * (own + 1) / 2 + 2 * saved).saturating_sub(2)
 }
 
-/// What the formulas of a mission remember.
+/// Numbers that the formulas of a mission remember.
 pub(crate) type FormulaWords = heapless::Vec<f32, MAX_FORMULA_WORDS>;
 
 /// Signals, memory and values of a model's effects by formula. In an image whose model has no formula it
-/// takes next to no memory.
+/// takes almost no memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Formulas {
     machine: Option<&'static Machine>,
@@ -69,13 +69,13 @@ impl core::fmt::Debug for Machine {
 }
 
 impl Formulas {
-    /// Whether a model's effects remember no more than [`formula_words`].
+    /// Whether a model's formulas remember no more than [`formula_words`].
     pub(crate) fn fit<const E: usize>(config: &MissionConfig<E>) -> bool {
         words(config) <= formula_words(E)
     }
 
-    /// Of a model's effects, which must [`Self::fit`]. That is asked apart: as an option of this it would be
-    /// on the stack twice.
+    /// Makes the formulas of a model's effects, which must [`Self::fit`]. That check is separate: an option
+    /// of this would be on the stack twice.
     pub(crate) fn of<const E: usize>(config: &MissionConfig<E>) -> Self {
         let mut formulas =
             Self { machine: None, used: 0, memory: [Memory::default(); MEMORIES], integrals_lost: false };
@@ -106,7 +106,7 @@ impl Formulas {
         self.integrals_lost = false;
     }
 
-    /// Takes a tick that the tracker of signals has taken; returns how many formulas had no value though
+    /// Takes a tick that the signal tracker has already taken; returns how many formulas had no value though
     /// their signals are there.
     #[inline]
     pub(crate) fn take<const E: usize>(
@@ -133,29 +133,29 @@ impl Formulas {
         silent + silent_constants
     }
 
-    /// Value of the estimated effect of that number, metres per unit of coefficient.
+    /// Value of the estimated effect with that index, metres per unit of coefficient.
     #[inline]
     pub(crate) fn estimated_m(&self, effect: usize) -> Option<f32> {
         self.memory.first().and_then(|memory| memory.estimated_m.get(effect).copied().flatten())
     }
 
-    /// Value of the constant effect of that number.
+    /// Value of the constant effect with that index.
     #[inline]
     pub(crate) fn constant_m(&self, effect: usize) -> Option<f32> {
         self.memory.first().and_then(|memory| memory.constant_m.get(effect).copied().flatten())
     }
 
-    /// What is remembered, to be kept over a restart.
+    /// The numbers remembered, to be kept over a restart.
     pub(crate) fn kept<const E: usize>(&self, config: &MissionConfig<E>) -> FormulaWords {
         self.memory.iter().flat_map(|memory| memory.state).take(words(config)).collect()
     }
 
-    /// Whether that is a memory of this model's formulas.
+    /// Whether these are numbers of this model's formulas.
     pub(crate) fn is_ours<const E: usize>(config: &MissionConfig<E>, kept: &FormulaWords) -> bool {
         kept.len() == words(config) && kept.iter().all(|word| word.is_finite())
     }
 
-    /// Goes on from what was kept at a time: the next tick's step is from there.
+    /// Continues from what was kept at a time: the next tick's step starts there.
     pub(crate) fn resume(&mut self, kept: &FormulaWords, last_us: u64) {
         let [memory, ..] = self.memory.as_mut_slice() else { return };
         for (word, kept) in memory.state.iter_mut().zip(kept) {
@@ -165,14 +165,14 @@ impl Formulas {
     }
 }
 
-/// How many numbers a model's formulas remember.
+/// How many numbers the formulas of a model remember.
 fn words<const E: usize>(config: &MissionConfig<E>) -> usize {
     let terms = config.estimated_effects.iter().chain(&config.constant_effects);
     terms.map(EffectTerm::id).map(|id| id.formula().map_or(0, |formula| formula.program.state_words())).sum()
 }
 
-/// Runs the formulas among `terms` for one tick, each with its part of `state`, in their order. Returns the
-/// state that is left, and how many formulas had no value though their signals are there.
+/// Runs the formulas among `terms` for one tick, in order, each with its part of `state`. Returns the
+/// remaining state, and how many formulas had no value though their signals are there.
 #[inline]
 pub(super) fn run<'a>(
     terms: &[EffectTerm],
@@ -201,7 +201,7 @@ pub(super) fn run<'a>(
     (state, silent)
 }
 
-/// No formula with an integral has a value: the integrals could not be continued over a restart.
+/// Removes the value of each formula with an integral: the integrals could not be continued over a restart.
 #[cold]
 fn forget_integrals(terms: &[EffectTerm], values_m: &mut [Option<f32>]) {
     for (term, value_m) in terms.iter().zip(values_m) {

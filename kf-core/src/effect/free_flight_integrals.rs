@@ -1,4 +1,4 @@
-//! What the inertial effects integrate twice from launch on.
+//! The double integrals of the inertial effects, from launch on.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,18 +12,18 @@ const EARTH_RADIUS_M: f32 = 6_371_008.8;
 /// Vertical gradient of gravity in free air, 1/s^2.
 const GRAVITY_GRADIENT_PS2: f32 = 3.086e-6;
 
-/// What the forward acceleration is made of.
+/// Source of the forward acceleration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AccelerationSource {
     /// Specific force and attitude.
     Inertial,
-    /// Changes of the speed over ground, along the track: there was no specific force or no attitude at
+    /// Changes of the speed over ground, along the track: used if specific force or attitude was missing at
     /// launch.
     GroundSpeed,
 }
 
 impl AccelerationSource {
-    /// The best that there is now.
+    /// The best source available now.
     pub(super) fn now(inertial: &Inertial, motion: &ReferenceMotion) -> Option<Self> {
         if inertial.is_complete() {
             return Some(Self::Inertial);
@@ -50,9 +50,9 @@ pub(super) struct Step<'a> {
 /// The integrals; all zero at launch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct FreeFlightIntegrals {
-    /// Decided once, at the first tick that has any.
+    /// Decided once, at the first tick that has a source.
     pub source: Option<AccelerationSource>,
-    /// Horizontal speed that [`Self::forward`] has come to, m/s, where that is its source.
+    /// Horizontal speed that [`Self::forward`] has reached, m/s, where that is its source.
     integrated_speed_mps: Option<f32>,
     pub vertical: DoubleIntegral,
     pub forward: DoubleIntegral,
@@ -62,7 +62,7 @@ pub(super) struct FreeFlightIntegrals {
 }
 
 impl FreeFlightIntegrals {
-    /// Goes on by one tick; false where a number overflowed, which was then not taken.
+    /// Advances by one tick; false where a number overflowed and was not taken.
     pub(super) fn advance(&mut self, step: &Step<'_>) -> bool {
         let mut is_taken = true;
         if step.uses.any_of(Uses::VERTICAL.and(Uses::FORWARD)) {

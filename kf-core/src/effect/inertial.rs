@@ -1,4 +1,4 @@
-//! Specific force and attitude: what the inertial effects are integrated from.
+//! Specific force and attitude, from which the inertial effects are integrated.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,10 +7,10 @@ use crate::atmosphere::STANDARD_GRAVITY_MPS2;
 use crate::time::seconds_between;
 use crate::trigonometry::sine_and_cosine;
 
-/// Columns of an inertial sample: it comes whole or not at all.
+/// Columns of an inertial sample, which is complete or absent.
 pub(super) const COLUMNS: &[&str] =
     &["accel_x_mps2", "accel_y_mps2", "accel_z_mps2", "gyro_x_radps", "gyro_y_radps", "gyro_z_radps"];
-/// Columns of an attitude: it comes whole or not at all.
+/// Columns of an attitude, which is complete or absent.
 pub(super) const ATTITUDE_COLUMNS: &[&str] = &["roll_rad", "pitch_rad", "yaw_rad"];
 /// Both.
 pub(super) const COLUMNS_AND_ATTITUDE: &[&str] = &[
@@ -25,8 +25,8 @@ pub(super) const COLUMNS_AND_ATTITUDE: &[&str] = &[
     "yaw_rad",
 ];
 
-/// The load factor's low-pass, seconds: an engine's vibration must not look like manoeuvres, and no
-/// manoeuvre is this fast.
+/// Time constant of the load factor's low-pass, seconds: an engine's vibration must not look like manoeuvres,
+/// and no manoeuvre is this fast.
 const LOAD_FACTOR_TIME_S: f32 = 0.05;
 
 /// Sines and cosines of the level frame's angles.
@@ -38,12 +38,12 @@ struct Level {
     cos_pitch: f32,
 }
 
-/// Beyond this pitch (its cosine) roll is not carried: it is not defined at the vertical.
+/// Cosine of the pitch beyond which roll is not carried on: roll is not defined at the vertical.
 const STEEP_COSINE: f32 = 0.1;
-/// A larger turn between two samples is none that an aircraft makes, rad.
+/// Largest turn of an aircraft between two samples, rad.
 const LARGEST_TURN_RAD: f32 = 0.3;
 
-/// Sine and cosine of an angle that has grown by a small one, to its third power.
+/// Sine and cosine of an angle that has grown by a small angle, to the third power of that.
 fn turned((sine, cosine): (f32, f32), by_rad: f32) -> (f32, f32) {
     let loss = 0.5 * by_rad * by_rad;
     (sine + by_rad * cosine - loss * sine, cosine - by_rad * sine - loss * cosine)
@@ -75,7 +75,7 @@ impl Inertial {
         self.accel = Some((time_us, accel_mps2));
     }
 
-    /// Takes roll and pitch, rad; false for what is no angle.
+    /// Takes roll and pitch, rad; false for an invalid angle.
     pub(super) fn take_attitude(&mut self, roll_rad: f32, pitch_rad: f32) -> bool {
         let (Some((sin_roll, cos_roll)), Some((sin_pitch, cos_pitch))) =
             (sine_and_cosine(roll_rad), sine_and_cosine(pitch_rad))
@@ -86,9 +86,9 @@ impl Inertial {
         true
     }
 
-    /// Carries roll and pitch on from the last sample of specific force by the body rates, rad/s, until
-    /// there is a new attitude: one that is 15 ms late would let gravity in (Titterton and Weston, on
-    /// propagating Euler angles). Rates that no aircraft has are not used.
+    /// Carries roll and pitch on from the last sample of specific force by the body rates, rad/s, until there
+    /// is a new attitude: one that is 15 ms late would let gravity in (Titterton and Weston, on propagating
+    /// Euler angles). Rates that no aircraft has are ignored.
     pub(super) fn turn(&mut self, time_us: u64, [p, q, r]: [f32; 3]) {
         let (Some((last_us, _)), Some(level)) = (self.accel, &mut self.level) else { return };
         let seconds = seconds_between(last_us, time_us);
@@ -105,22 +105,22 @@ impl Inertial {
         }
     }
 
-    /// Starts the vibration's integral anew.
+    /// Restarts the vibration's integral.
     pub(super) fn restart(&mut self) {
         self.shaken = None;
         self.vibration = DoubleIntegral::default();
     }
 
     /// Integrates the vibration's variance, (m/s^2)^2 summed over the axes, over the time since the last
-    /// sample: half the squared difference of two neighbours (von Neumann, "Distribution of the ratio of
-    /// the mean square successive difference to the variance", Ann. Math. Stat. 12(4), 1941), which a
-    /// manoeuvre hardly touches. No window: the integrals are one. False where it overflows.
+    /// sample: half the squared difference of two neighbours (von Neumann, "Distribution of the ratio of the
+    /// mean square successive difference to the variance", Ann. Math. Stat. 12(4), 1941), which a manoeuvre
+    /// hardly affects. It needs no window: the integrals average. False where it overflows.
     pub(super) fn shake(&mut self, time_us: u64, accel_mps2: [f32; 3]) -> bool {
         let Some((last_us, last)) = self.shaken.replace((time_us, accel_mps2)) else { return true };
         let square: f32 =
             accel_mps2.iter().zip(last).map(|(now, before)| (now - before) * (now - before)).sum();
         let seconds = seconds_between(last_us, time_us);
-        // Constant over the interval: its straight line has the same ends.
+        // Constant over the interval: its straight line has equal ends.
         let mut next = self.vibration;
         let is_taken = next.advance(0.0, 0.5 * square) && next.advance(seconds, 0.5 * square);
         if is_taken {
@@ -129,12 +129,12 @@ impl Inertial {
         is_taken
     }
 
-    /// See [`Self::shake`]; `None` while there was no sample.
+    /// See [`Self::shake`]; `None` before the first sample.
     pub(super) fn vibration_integral_m(&self) -> Option<f32> {
         self.accel.map(|_| self.vibration.value())
     }
 
-    /// Load factor, g; `None` while there was no sample.
+    /// Load factor, g; `None` before the first sample.
     pub(super) const fn load_factor(&self) -> Option<f32> {
         self.load_factor
     }
@@ -144,7 +144,7 @@ impl Inertial {
         self.level.map(|level| level.sin_pitch)
     }
 
-    /// Whether specific force and attitude are both there.
+    /// Whether specific force and attitude are both known.
     pub(super) const fn is_complete(&self) -> bool {
         self.accel.is_some() && self.level.is_some()
     }
@@ -154,7 +154,7 @@ impl Inertial {
     pub(super) fn upward_and_forward_mps2(&self) -> Option<[f32; 2]> {
         let ((_, [x, y, z]), level) = (self.accel?, self.level?);
         let Level { sin_roll, cos_roll, sin_pitch, cos_pitch } = level;
-        // Body axes rolled back level.
+        // Body axes rolled back to level.
         let down = sin_roll * y + cos_roll * z;
         let forward = cos_pitch * x + sin_pitch * down;
         let upward = sin_pitch * x - cos_pitch * down - STANDARD_GRAVITY_MPS2;
@@ -209,7 +209,7 @@ mod tests {
             (level.sin_pitch, pitch.sin()),
             (level.cos_pitch, pitch.cos()),
         ] {
-            // Rates of the interval's middle, angles of its begin: a thousandth of the 0.05 rad turned.
+            // Rates of the interval's middle, angles of its start: a thousandth of the 0.05 rad turned.
             assert!((f64::from(ours) - exact).abs() < 1e-4, "{ours} {exact}");
         }
         let before = inertial;

@@ -44,8 +44,8 @@ pub(super) const ACCEL_SCALE: Row = Row {
     ..VELOCITY_ERROR
 };
 
-/// A pitch error turns forward acceleration into the vertical channel; beyond 0.2 rad nothing that is
-/// linear in it holds.
+/// A pitch error turns forward acceleration into the vertical channel; beyond 0.2 rad the effect is not
+/// linear in it.
 pub(super) const TILT: Row = Row {
     name: "imu.tilt",
     unit: "rad",
@@ -81,8 +81,8 @@ pub(super) const VIBRATION: Row = Row {
     ..VELOCITY_ERROR
 };
 
-/// `2 g / R`, the normal gradient of gravity in free air (Torge, "Geodesy", section 3.3). 1 by theory, 0
-/// where the navigator has it already.
+/// `2 g / R`, the normal gradient of gravity in free air (Torge, "Geodesy", section 3.3). 1 in theory, 0
+/// where the navigator already corrects for it.
 pub(super) const GRAVITY_GRADIENT: Row = Row {
     name: "imu.gravity_gradient",
     unit: "1",
@@ -94,8 +94,8 @@ pub(super) const GRAVITY_GRADIENT: Row = Row {
     ..VELOCITY_ERROR
 };
 
-/// Coriolis and centrifugal acceleration of motion over the earth (Torge, on gravimetry
-/// from vehicles). 1 by theory, 0 where the navigator has it already.
+/// Coriolis and centrifugal acceleration of motion over the earth (Torge, on gravimetry from vehicles). 1 in
+/// theory, 0 where the navigator already corrects for it.
 pub(super) const EOTVOS: Row = Row {
     name: "imu.eotvos",
     unit: "1",

@@ -19,7 +19,7 @@ impl Sum {
     }
 }
 
-/// A quantity integrated twice over time, from zero on.
+/// A quantity integrated twice over time, starting at zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct DoubleIntegral {
     slope: Sum,
@@ -28,14 +28,14 @@ pub(super) struct DoubleIntegral {
 }
 
 impl DoubleIntegral {
-    /// The integral now.
+    /// Present value of the integral.
     pub(super) const fn value(&self) -> f32 {
         self.value.value
     }
 
-    /// Goes on by `seconds` to an input of `now`; between two inputs it is a straight line, for which this
-    /// is exact. False, and nothing taken, where a number overflows.
-    // Six copies would be half a kilobyte of flash.
+    /// Advances by `seconds` to an input of `now`; exact for an input that is a straight line in between.
+    /// False, and nothing taken, where a number overflows.
+    // Not inlined: six copies would be half a kilobyte of flash.
     #[inline(never)]
     pub(super) fn advance(&mut self, seconds: f32, now: f32) -> bool {
         let before = self.last.unwrap_or(now);
@@ -44,7 +44,7 @@ impl DoubleIntegral {
         self.set(slope, gained, Some(now))
     }
 
-    /// Goes on by `seconds` without input, after a jump of the first integral.
+    /// Advances by `seconds` without input, after a jump of the first integral.
     #[inline]
     pub(super) fn kick(&mut self, seconds: f32, jump: f32) -> bool {
         let gained = seconds * self.slope.value;

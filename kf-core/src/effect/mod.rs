@@ -1,8 +1,8 @@
 //! Effects: physical causes that add `coefficient * regressor(signals)` to what a sensor reads.
 //!
-//! The catalogue ([`EffectId`]) has one row an effect; [`SignalTracker`] makes the regressors, tick by tick,
-//! from the signals. A model adds effects of its own by formula ([`Definition`]), which [`crate::formula`]
-//! runs.
+//! The catalogue ([`EffectId`]) has one row per effect; [`SignalTracker`] computes the regressors from the
+//! signals, tick by tick. A model adds effects of its own by formula ([`Definition`]), which
+//! [`crate::formula`] runs.
 
 mod acting;
 mod barometer;
@@ -38,8 +38,8 @@ pub struct EffectTerm {
     pub coefficient: f32,
     /// One sigma of the coefficient, same unit; the prior's when it is estimated.
     pub sigma: f32,
-    /// The least and the largest regressor seen while the coefficient was learned, metres per unit of
-    /// coefficient; outside of it the coefficient is extrapolated.
+    /// Smallest and largest regressor seen while the coefficient was learned, metres per unit of coefficient;
+    /// outside of them the coefficient is extrapolated.
     pub envelope_m: Option<[f32; 2]>,
 }
 
@@ -56,7 +56,7 @@ impl EffectTerm {
         self.regressor.id
     }
 
-    /// Whether its regressor is integrated from launch on, so that it has all of the flight in it.
+    /// Whether its regressor is integrated from launch on, and so depends on the whole flight.
     #[must_use]
     pub(crate) fn is_integrated(&self) -> bool {
         match self.id().formula() {
@@ -65,7 +65,7 @@ impl EffectTerm {
         }
     }
 
-    /// Whether a regressor (metres) lies outside of what the coefficient was learned from.
+    /// Whether a regressor (metres) lies outside the range in which the coefficient was learned.
     #[must_use]
     #[inline]
     pub fn extrapolates(&self, regressor_m: f32) -> bool {

@@ -1,9 +1,9 @@
-//! Effects on the reference: what is added to the receiver's altitude.
+//! Effects on the reference: what they add to the receiver's altitude.
 
 use super::catalogue::{EffectSubject, Row, Uses};
 
-/// A receiver that is late by `tau` says `h - tau hdot`. Smoothing and telemetry make up to some seconds; one
-/// that predicts can be early.
+/// A receiver that is late by `tau` reports `h - tau hdot`. Smoothing and telemetry add up to a few seconds;
+/// a receiver that predicts can be early.
 pub(super) const LATENCY: Row = Row {
     name: "gps.latency",
     unit: "s",
@@ -16,8 +16,8 @@ pub(super) const LATENCY: Row = Row {
     value: |tracker, _| tracker.climb_rate_mps().map(|climb_rate_mps| -climb_rate_mps),
 };
 
-/// What is left of a cold start's error: code altitude with few satellites is off by some tens of metres
-/// (Kaplan and Hegarty, "Understanding GPS", on vertical dilution of precision).
+/// Remainder of a cold start's error: code altitude with few satellites is off by some tens of metres (Kaplan
+/// and Hegarty, "Understanding GPS", on vertical dilution of precision).
 pub(super) const CONVERGENCE: Row = Row {
     name: "gps.convergence",
     unit: "m",
@@ -32,7 +32,7 @@ pub(super) const CONVERGENCE: Row = Row {
     ..LATENCY
 };
 
-/// An antenna ahead of the sensors by the coefficient is higher by its part `sin(pitch)`: no more than the
+/// An antenna that is ahead of the sensors by the coefficient is higher by `sin(pitch)` of it; at most the
 /// aircraft's length.
 pub(super) const LEVER_ARM: Row = Row {
     name: "gps.lever_arm",

@@ -5,27 +5,27 @@ use serde::{Deserialize, Serialize};
 use crate::input::GpsFix;
 use crate::time::{elapsed_s, seconds_between};
 
-/// Time constant of the climb rate's filter, seconds. It lags a manoeuvre by at most two of these, and of
-/// five fixes a second with 0.4 m of white noise it leaves 0.25 m/s.
+/// Time constant of the climb rate's filter, seconds. The filter lags a manoeuvre by at most two of these;
+/// with five fixes a second and 0.4 m of white noise its output has 0.25 m/s of noise.
 const FILTER_TIME_S: f32 = 0.5;
-/// After a gap this long the filter starts anew, seconds.
+/// Gap after which the filter restarts, seconds.
 const GAP_S: f32 = 10.0;
-/// No fix is carried further than this by its climb rate, seconds.
+/// Longest time that a fix is carried on by its climb rate, seconds.
 const CARRIED_S: f32 = 2.0;
 
-/// What the fixes say of the motion.
+/// Motion derived from the fixes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct ReferenceMotion {
     last: Option<(u64, f32)>,
     climb_rate_mps: Option<f32>,
-    /// Filtered altitude (m) and its rate (m/s), where fixes do not bring the rate.
+    /// Filtered altitude (m) and its rate (m/s), for fixes without a rate.
     filter: Option<(f32, Option<f32>)>,
     velocity_mps: Option<[f32; 2]>,
     speed_squared_m2ps2: Option<f32>,
 }
 
 impl ReferenceMotion {
-    /// Takes an accepted fix: its velocity.
+    /// Takes the velocity of an accepted fix.
     #[inline]
     pub(super) fn take_velocity(&mut self, fix: &GpsFix) {
         if let (Some(north), Some(east)) = (fix.velocity_north_mps, fix.velocity_east_mps) {
@@ -35,7 +35,7 @@ impl ReferenceMotion {
         }
     }
 
-    /// Takes an accepted fix: its altitude and climb rate.
+    /// Takes altitude and climb rate of an accepted fix.
     pub(super) fn take_height(&mut self, time_us: u64, fix: &GpsFix) {
         let interval_s = self.last.map(|(last_us, _)| seconds_between(last_us, time_us));
         match fix.velocity_down_mps {
@@ -69,7 +69,7 @@ impl ReferenceMotion {
             }
             _ => (altitude_m, None),
         };
-        // Altitudes can be finite and absurd.
+        // Altitudes can be finite but absurd.
         let next =
             if next.0.is_finite() && next.1.is_none_or(f32::is_finite) { next } else { (altitude_m, None) };
         self.filter = Some(next);
@@ -81,7 +81,7 @@ impl ReferenceMotion {
         self.climb_rate_mps
     }
 
-    /// Square of the speed over ground, (m/s)^2, the climb included.
+    /// Square of the speed over ground, climb included, (m/s)^2.
     pub(super) const fn speed_squared_m2ps2(&self) -> Option<f32> {
         self.speed_squared_m2ps2
     }
@@ -91,15 +91,15 @@ impl ReferenceMotion {
         self.velocity_mps
     }
 
-    /// Altitude now: the last fix, carried on by the climb rate, metres.
+    /// Present altitude: the last fix, carried on by the climb rate, metres.
     pub(super) fn altitude_m(&self, time_us: u64) -> Option<f32> {
         let (last_us, altitude_m) = self.last?;
         let age_s = elapsed_s(last_us, time_us).min(CARRIED_S);
         Some(altitude_m + self.climb_rate_mps.unwrap_or(0.0) * age_s)
     }
 
-    /// Horizontal speed by the last fix, m/s; `None` without a velocity. Two steps of Heron's rule: no tick
-    /// takes a square root.
+    /// Horizontal speed at the last fix, m/s; `None` without a velocity. Two steps of Heron's rule, because
+    /// no tick takes a square root.
     pub(super) fn horizontal_speed_mps(&self) -> Option<f32> {
         let [north, east] = self.velocity_mps?;
         let (larger, smaller) = match (north.abs(), east.abs()) {
@@ -109,7 +109,7 @@ impl ReferenceMotion {
         if larger <= f32::MIN_POSITIVE {
             return Some(0.0);
         }
-        // Alpha max plus beta min with 0.96 and 0.4 is within 4 %, which two steps make 4e-7; scaled, so
+        // Alpha max plus beta min with 0.96 and 0.4 is within 4 %, which two steps reduce to 4e-7; scaled, so
         // that nothing overflows.
         let ratio = smaller / larger;
         let square = 1.0 + ratio * ratio;

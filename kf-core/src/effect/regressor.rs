@@ -1,13 +1,13 @@
-//! What a regressor is made with beside the signals.
+//! Parameters of a regressor beside the signals.
 
 use serde::{Deserialize, Serialize};
 
 use super::EffectId;
 
-/// When the time `t` of an effect starts.
+/// Start of an effect's time `t`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Clock {
-    /// At launch; before it `t` is 0.
+    /// At launch; `t` is 0 before it.
     #[default]
     Launch,
     /// At the first tick: power-on. For effects with a time constant only.
@@ -30,9 +30,9 @@ impl Clock {
 pub struct Regressor {
     /// Which effect.
     pub id: EffectId,
-    /// Its time constant, seconds; only looked at where [`EffectId::has_time_constant`].
+    /// Its time constant, seconds; only used where [`EffectId::has_time_constant`].
     pub time_constant_s: f32,
-    /// When its time starts; only looked at where [`EffectId::has_time_constant`].
+    /// Start of its time; only used where [`EffectId::has_time_constant`].
     pub since: Clock,
 }
 

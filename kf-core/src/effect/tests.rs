@@ -69,7 +69,7 @@ fn ground_speed_stands_in_until_an_airspeed_is_measured() {
     assert_eq!((tracker.airspeed_squared_m2ps2(), tracker.refused()), (Some(10_000.0), 1));
 }
 
-/// Everything there is, at a time.
+/// All signals, at a time.
 fn whole(time_us: u64) -> (TickInput, GpsFix) {
     let input = TickInput {
         time_us,
@@ -98,7 +98,7 @@ fn each_effect_waits_for_the_columns_it_names_and_for_no_other() {
             match without {
                 "tas_mps" => {
                     signals.true_airspeed_mps = None;
-                    // The stand-in too.
+                    // Its stand-in is missing too.
                     fix.velocity_north_mps = None;
                 }
                 "aoa_rad" => signals.angle_of_attack_rad = None,
@@ -120,7 +120,8 @@ fn each_effect_waits_for_the_columns_it_names_and_for_no_other() {
         let columns = "tas_mps aoa_rad sideslip_rad throttle oat_c baro_temp_c roll_rad pitch_rad yaw_rad gps_vn_mps \
                        gps_ve_mps gps_alt_m accel_x_mps2 accel_y_mps2 accel_z_mps2 gyro_x_radps";
         for column in columns.split_whitespace() {
-            // Ground speed stands in for what these two need; nothing does for a fix's parts without the fix.
+            // Ground speed stands in for what these two need; nothing replaces the parts of a fix without the
+            // fix.
             let has_stand_in = matches!(id, ImuTilt | ImuGyroBias);
             let in_a_fix = id == ImuEotvos && column == "gps_alt_m";
             let both_speeds = id == ImuEotvos && column == "tas_mps";
@@ -280,7 +281,7 @@ proptest! {
                 }
             }
         }
-        // And it goes on: sensible signals after absurd ones make a regressor again.
+        // Sensible signals after absurd ones make a regressor again.
         for k in 1..=3 {
             let (input, fix) = whole(time_us + k * 5_000);
             tracker.take(&input, Some(&fix));

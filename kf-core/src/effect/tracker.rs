@@ -1,4 +1,4 @@
-//! The latest signals, and the regressors made of them.
+//! The latest signals, and the regressors computed from them.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,13 +13,13 @@ use crate::root::reciprocal_root;
 use crate::time::elapsed_s;
 use crate::trigonometry::sine_and_cosine;
 
-/// Where a tracker is when nobody says, degrees: half-way to the pole.
+/// Default latitude of a tracker, degrees: half-way to the pole.
 pub const DEFAULT_LATITUDE_DEG: f32 = 45.0;
 
 /// Rotation rate of the earth, rad/s (WGS 84, NGA.STND.0036, table 3.1).
 const EARTH_RATE_RADPS: f32 = 7.292_115e-5;
 
-/// What stands for the airspeed.
+/// Source of the airspeed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AirspeedSource {
     /// The measured true airspeed.
@@ -28,11 +28,11 @@ pub enum AirspeedSource {
     GroundSpeed,
 }
 
-/// Follows the signals and makes regressors of them.
+/// Follows the signals and computes regressors from them.
 ///
-/// Give it every tick in time order: [`Self::begin_calibration`] or [`Self::begin_free_flight`] first, if
-/// it is the first tick of that phase, then [`Self::take`], then ask for [`Self::regressor_m`]. Numbers that
-/// are not finite are not taken, and counted. What no effect of the model reads costs nothing.
+/// Give it every tick in time order. At the first tick of a phase, call [`Self::begin_calibration`] or
+/// [`Self::begin_free_flight`] first; then call [`Self::take`], then ask for [`Self::regressor_m`]. Numbers
+/// that are not finite are counted and ignored. Signals that no effect of the model reads cost nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SignalTracker {
     uses: Uses,
@@ -60,8 +60,7 @@ pub struct SignalTracker {
     refused: u32,
 }
 
-/// What a difference is taken from: the first value of the calibration or, until there is one, the first
-/// value of all.
+/// Origin of a difference: the first value of the calibration or, until there is one, the first value of all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Origin {
     value: Option<f32>,
@@ -77,13 +76,13 @@ impl Origin {
 }
 
 impl Default for SignalTracker {
-    /// For every effect of the catalogue, at [`DEFAULT_LATITUDE_DEG`].
+    /// A tracker for every effect of the catalogue, at [`DEFAULT_LATITUDE_DEG`].
     fn default() -> Self {
         Self::with_uses(Uses::EVERYTHING, eastward_radps(DEFAULT_LATITUDE_DEG).unwrap_or(0.0))
     }
 }
 
-/// `2 Omega cos(latitude)`, rad/s; `None` for what is no latitude.
+/// `2 Omega cos(latitude)`, rad/s; `None` for an invalid latitude.
 fn eastward_radps(latitude_deg: f32) -> Option<f32> {
     if !(-90.0..=90.0).contains(&latitude_deg) {
         return None;
@@ -92,8 +91,8 @@ fn eastward_radps(latitude_deg: f32) -> Option<f32> {
 }
 
 impl SignalTracker {
-    /// For these effects only; of any other the regressor may stay `None`. What is no latitude (degrees,
-    /// north positive) counts as a pole.
+    /// A tracker for these effects only; the regressor of any other may stay `None`. An invalid latitude
+    /// (degrees, north positive) counts as a pole.
     #[must_use]
     #[inline]
     pub fn for_effects(effects: impl IntoIterator<Item = EffectId>, latitude_deg: f32) -> Self {
@@ -101,7 +100,7 @@ impl SignalTracker {
         Self::with_uses(uses, eastward_radps(latitude_deg).unwrap_or(0.0))
     }
 
-    /// Where the flight is, degrees, north positive, from now on; what is no latitude changes nothing.
+    /// Sets the latitude of the flight, degrees, north positive; an invalid one changes nothing.
     pub fn set_latitude_deg(&mut self, latitude_deg: f32) {
         self.eastward_radps = eastward_radps(latitude_deg).unwrap_or(self.eastward_radps);
     }
@@ -130,15 +129,15 @@ impl SignalTracker {
         }
     }
 
-    /// From now on `h0` is the altitude of the next fix and `T0` the next temperature of the barometer.
-    /// Before, they are the first ones of all.
+    /// Makes the altitude of the next fix `h0`, and the next temperature of the barometer `T0`. Before, they
+    /// are the first values of all.
     pub fn begin_calibration(&mut self) {
         self.origin_altitude.is_due = true;
         self.origin_temperature.is_due = true;
     }
 
-    /// Launch: `t` and the integrals are 0 at `time_us`, and the airspeed is latched (where there has not
-    /// been any, the first one from now on).
+    /// Launch: `t` and the integrals are 0 at `time_us`, and the airspeed is latched (the first one from now
+    /// on, if there has been none).
     pub fn begin_free_flight(&mut self, time_us: u64) {
         self.launch_us = Some(time_us);
         self.now_us = self.now_us.max(time_us);
@@ -147,19 +146,19 @@ impl SignalTracker {
         self.inertial.restart();
     }
 
-    /// Whether this tracker is one for these effects: a snapshot's may be another model's.
+    /// Whether this tracker is for these effects: a snapshot may hold another model's.
     pub(crate) fn is_for(&self, effects: impl IntoIterator<Item = EffectId>, latitude_deg: f32) -> bool {
         let fresh = Self::for_effects(effects, latitude_deg);
         fresh.uses == self.uses && fresh.eastward_radps.to_bits() == self.eastward_radps.to_bits()
     }
 
-    /// The integrals have a gap that nothing can be said of: from now on there are no regressors that are
-    /// made of them.
+    /// The integrals have a gap of unknown effect: regressors computed from them are not available from now
+    /// on.
     pub(crate) fn lose_integrals(&mut self) {
         self.integrals_lost = true;
     }
 
-    /// It was no launch: the flight is captive as before, and the next [`Self::begin_free_flight`] starts
+    /// Withdraws the launch: the flight is captive as before, and the next [`Self::begin_free_flight`] starts
     /// afresh.
     pub fn resume_captive(&mut self) {
         self.launch_us = None;
@@ -169,8 +168,8 @@ impl SignalTracker {
         self.inertial.restart();
     }
 
-    /// Takes what is new at a tick; `fix` is the tick's fix if it was accepted (finite, and not the last
-    /// one held).
+    /// Takes what is new at a tick; `fix` is the tick's fix if it was accepted (finite, and not the last one
+    /// held).
     #[inline]
     pub fn take(&mut self, input: &TickInput, fix: Option<&GpsFix>) {
         let from_us = self.now_us;
@@ -271,28 +270,28 @@ impl SignalTracker {
         }
     }
 
-    /// How many signal values were refused: not finite, implausible, no angle, or so large that an integral
-    /// overflows.
+    /// Number of signal values refused: not finite, implausible, not a valid angle, or so large that an
+    /// integral overflows.
     #[must_use]
     pub const fn refused(&self) -> u32 {
         self.refused
     }
 
-    /// What the airspeed is, once there is one.
+    /// Source of the airspeed, once there is one.
     #[must_use]
     pub fn airspeed_source(&self) -> Option<AirspeedSource> {
         let measured = self.true_airspeed_mps.map(|_| AirspeedSource::TrueAirspeed);
         measured.or_else(|| self.motion.speed_squared_m2ps2().map(|_| AirspeedSource::GroundSpeed))
     }
 
-    /// What the forward acceleration of `imu.tilt` and `imu.gyro_bias` is made of: decided at launch, and
-    /// before it as it would be now.
+    /// Source of the forward acceleration of `imu.tilt` and `imu.gyro_bias`: decided at launch; before
+    /// launch, the source that would be chosen now.
     #[must_use]
     pub fn acceleration_source(&self) -> Option<AccelerationSource> {
         self.integrals.source.or_else(|| AccelerationSource::now(&self.inertial, &self.motion))
     }
 
-    /// The regressor of an effect now, metres per unit of its coefficient; `None` while a signal that it
+    /// Present regressor of an effect, metres per unit of its coefficient; `None` while a signal that it
     /// needs has not been seen, and where the number overflows.
     #[must_use]
     #[inline]
@@ -320,7 +319,7 @@ impl SignalTracker {
         self.motion.horizontal_speed_mps()
     }
 
-    /// The reference's altitude now, carried on from the last fix, metres.
+    /// Present altitude of the reference, carried on from the last fix, metres.
     pub(crate) fn altitude_m(&self) -> Option<f32> {
         self.motion.altitude_m(self.now_us)
     }
@@ -330,7 +329,7 @@ impl SignalTracker {
         self.inertial.upward_and_forward_mps2()
     }
 
-    /// Of where the flight is.
+    /// Cosine of the flight's latitude.
     pub(crate) fn cosine_latitude(&self) -> f32 {
         self.eastward_radps * (0.5 / EARTH_RATE_RADPS)
     }
@@ -347,7 +346,7 @@ impl SignalTracker {
         self.motion.climb_rate_mps()
     }
 
-    /// Seconds on a clock; the launch's stands at 0 before launch.
+    /// Seconds on a clock; the launch's reads 0 before launch.
     #[must_use]
     pub fn elapsed_s(&self, clock: Clock) -> f32 {
         let start_us = match clock {

@@ -1,4 +1,4 @@
-//! The tick taken at once is the tick taken one reading at a time.
+//! A tick taken at once equals the tick taken one reading at a time.
 
 use super::*;
 use crate::config::{
@@ -60,7 +60,7 @@ fn together_is_one_by_one<const HEAD: usize, const TAIL: usize, const E: usize>(
     let n = [noise(2500.0), noise(4900.0), noise(22500.0)];
     for (y, phi) in ticks {
         let own = [[0.0; E], [0.0; E], [*phi; E]];
-        // Of an effect on the reference too; zero takes the row that has none.
+        // An effect on the reference too; zero selects the row without effects.
         let reference = [if *phi < 100.0 { 0.0 } else { *phi - 300.0 }; E];
         let all = together
             .update_together(y[0], &reference, noise(625.0), &[y[1], y[2], y[3]], &own, &n, |_| true)
@@ -113,8 +113,8 @@ proptest! {
         }
         let result =
             estimator.update_together(y[0], &[psi], noise(625.0), &[y[1], y[2], y[3]], &[[0.0], [0.0], [phi]], &n, |_| true);
-        // A reading of 3e38 m is absurd but finite: scaled down it can be taken. As a regressor its
-        // square overflows.
+        // A reading of 3e38 m is absurd but finite: scaled down, it can be taken. As a regressor, its square
+        // overflows.
         if bad == 3e38 && place < 4 {
             prop_assert!(result.is_ok());
         } else {

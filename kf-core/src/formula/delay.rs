@@ -1,26 +1,26 @@
-//! A signal as it was some time ago, from few numbers.
+//! Delays a signal, with few stored numbers.
 
 use super::words::{BEGUN, elapsed, is_positive, wait};
 
-/// Intervals of the delay between samples that are kept.
+/// Number of intervals between kept samples that make up the delay.
 const INTERVALS: usize = 16;
-/// One of them, of the delay.
+/// One interval, as a fraction of the delay.
 pub(super) const INTERVAL: f32 = 1.0 / INTERVALS as f32;
-/// Samples that are kept.
+/// Number of samples kept.
 pub(super) const KEPT: usize = INTERVALS + 1;
 /// Words of a delay's memory.
 pub const WORDS: usize = KEPT + 4;
 
-/// A delay's memory: the samples in a ring, then the last argument, [`BEGUN`] or how long it waited, the time
+/// A delay's memory: the samples in a ring; then the last argument, [`BEGUN`] or how long it waited, the time
 /// since the newest sample, and the index of the oldest. Until the ring is full, the last word is [`KEPT`]
-/// plus the index of the next sample, which is out of the ring.
+/// plus the index of the next sample, which is outside of the ring.
 #[inline(always)]
 pub(super) fn parts(memory: &mut [f32; WORDS]) -> Option<(&mut [f32; KEPT], &mut [f32; 4])> {
     let (ring, rest) = memory.split_first_chunk_mut::<KEPT>()?;
     Some((ring, rest.try_into().ok()?))
 }
 
-/// The value that part of an interval after the oldest sample; `None` where there are not enough of them.
+/// The value at that fraction of an interval after the oldest sample; `None` where there are too few samples.
 #[inline(always)]
 pub(super) fn between(ring: &[f32; KEPT], oldest: f32, part: f32) -> Option<f32> {
     let at = oldest as usize;
@@ -29,8 +29,8 @@ pub(super) fn between(ring: &[f32; KEPT], oldest: f32, part: f32) -> Option<f32>
     Some(oldest + (next - oldest) * part)
 }
 
-/// The argument sixteen intervals ago: samples an interval apart, each on the straight line between two
-/// ticks, and straight lines between those. NaN until there is enough of the past.
+/// The argument sixteen intervals ago. Samples are an interval apart, each on the straight line between two
+/// ticks; between samples the value is on a straight line too. NaN until the past is long enough.
 #[inline(never)]
 pub(super) fn delay(memory: &mut [f32; WORDS], argument: f32, interval_s: f32, seconds: f32) -> f32 {
     let Some((ring, [last, waited, phase_s, oldest])) = parts(memory) else {

@@ -1,9 +1,9 @@
-//! Fast paths of the operations with memory, for the common tick: the argument is a number, the last tick had
-//! one too, and a delay has no sample to take.
+//! Fast paths of the operations with memory, for the common tick: the argument is a number, as at the last
+//! tick, and a delay has no sample to take.
 //!
 //! They are inlined, and test only what separates the common tick from the others. `None` means another tick,
 //! with the memory unchanged: the general function in `words` or `delay` then does the work. The arithmetic
-//! is written once, there; a property test holds that both give the same bits.
+//! is written once, there; a property test checks that both give the same bits.
 
 use super::delay;
 use super::words::{BEGUN, add_sample, add_to_mean, add_trapezium, add_twice, towards, wait};
@@ -119,8 +119,8 @@ mod tests {
     use proptest::prelude::*;
 
     /// Runs the fast path and the general function tick by tick. Wherever the fast path has a value, both
-    /// agree in value and memory, to the bit; elsewhere it has changed nothing. Returns how many ticks the
-    /// fast path served.
+    /// must agree in value and memory, to the bit; elsewhere it must have changed nothing. Returns how many
+    /// ticks the fast path served.
     fn agree<const N: usize>(
         ticks: &[(f32, bool, bool, bool)],
         fast: impl Fn(&mut [f32; N], (f32, bool, bool, bool)) -> Option<f32>,
@@ -134,7 +134,7 @@ mod tests {
             let before = memory;
             let value = general(&mut memory, *tick);
             match answer {
-                // A delay's infinite value is the caller's to reject.
+                // The caller must reject a delay's infinite value.
                 Some(answer) if answer.is_finite() => {
                     served += 1;
                     prop_assert_eq!(answer.to_bits(), value.to_bits(), "{:?} at {:?}", tick, before);
@@ -176,7 +176,7 @@ mod tests {
         ) {
             let ticks: Vec<_> = (0..)
                 .zip(&arguments)
-                // A suspicion may be taken back: then it is captive flight again.
+                // A suspicion may be withdrawn: then it is captive flight again.
                 .map(|(k, (argument, is_new, begins))| {
                     (*argument, *is_new, *begins, (launch..launch + suspected).contains(&k))
                 })
@@ -227,8 +227,8 @@ mod tests {
             ),
         ]
         .map(Result::unwrap);
-        // An integral is 0 before launch. A rate has no value before the second sample, and a new sample
-        // after ticks without one is the general function's. A delay of a second takes a sample at every
+        // An integral is 0 before launch. A rate has no value before the second sample, and the general
+        // function handles a new sample after ticks without one. A delay of a second takes a sample at every
         // sixth tick, and has a value after a second.
         for (served, least) in served.into_iter().zip([199, 316, 399, 398, 240]) {
             assert!(served >= least, "{served} of 400, {least} at least");

@@ -23,8 +23,8 @@ pub(super) const INERTIAL_AND_ATTITUDE: &[&str] = &[
 /// Zero degrees Celsius, K.
 const CELSIUS_K: f32 = 273.15;
 
-/// Latest values of the signals, which of them are new, and where the flight is. Values are in the units of
-/// [`Signal::unit`]; NaN is what has not been seen.
+/// Latest values of the signals, which of them are new, and the phase of the flight. Values are in the units
+/// of [`Signal::unit`]; NaN stands for a value that has not been seen.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     pub(super) values: [f32; PLACES],
@@ -51,14 +51,14 @@ impl Default for Frame {
 }
 
 impl Frame {
-    /// Begins a tick by hand, `seconds` after the last one: nothing is new but time. For who has signals and
-    /// no [`TickInput`]s; follow it with [`Self::set`].
+    /// Begins a tick by hand, `seconds` after the last one: only time is new. For callers that have signals
+    /// and no [`TickInput`]s; follow it with [`Self::set`].
     pub fn begin(&mut self, seconds: f32, launched: bool, calibration_begins: bool) {
         (self.seconds, self.launched, self.calibration_begins) = (seconds, launched, calibration_begins);
         self.new = ALWAYS_NEW;
     }
 
-    /// A new sample, in the unit of [`Signal::unit`]; what is not finite is not taken.
+    /// Sets a new sample, in the unit of [`Signal::unit`]; a value that is not finite is ignored.
     #[inline]
     pub fn set(&mut self, place: u8, value: f32) {
         if let (Some(slot), true) = (self.values.get_mut(usize::from(place)), value.is_finite()) {
@@ -67,8 +67,8 @@ impl Frame {
         }
     }
 
-    /// The latest value at a place of a program, which has been checked to be one; NaN where it has not been
-    /// seen.
+    /// The latest value at a place of a program, which has been checked to be valid; NaN where it has not
+    /// been seen.
     #[inline(always)]
     pub(super) fn number(&self, place: u8) -> f32 {
         self.values.get(usize::from(place) & PLACES.wrapping_sub(1)).copied().unwrap_or(f32::NAN)
@@ -80,13 +80,13 @@ impl Frame {
         self.values.get(usize::from(place)).copied().filter(|value| !value.is_nan())
     }
 
-    /// The calibration begins at the next tick (again, if it had).
+    /// Begins the calibration at the next tick (again, if it had begun).
     pub const fn begin_calibration(&mut self) {
         self.calibration_begins = true;
     }
 
-    /// Takes what is new at a tick of the signals in the set `used`; `fix` is the tick's if it was accepted.
-    /// The tracker has taken the tick already. [`Self::end`] after the programs have run.
+    /// Takes what is new at a tick, of the signals in the set `used`; `fix` is the tick's if it was accepted.
+    /// The tracker has already taken the tick. Call [`Self::end`] after the programs have run.
     #[inline]
     pub fn take(&mut self, used: u64, input: &TickInput, fix: Option<&GpsFix>, tracker: &SignalTracker) {
         self.seconds = self.last_us.map_or(0.0, |last_us| elapsed_s(last_us, input.time_us));
@@ -94,7 +94,7 @@ impl Frame {
         self.launched = tracker.is_launched();
         self.new = ALWAYS_NEW;
         let imu = input.imu.as_ref().filter(|imu| used & INERTIAL != 0 && plausible::imu(imu));
-        // By halves: 32 bits are one register of the target.
+        // In halves: 32 bits are one register of the target.
         for (half, base) in [(used as u32, 0_u8), ((used >> 32) as u32, 32)] {
             let (mut left, mut new) = (half, 0_u32);
             while left != 0 {
@@ -116,12 +116,12 @@ impl Frame {
         }
     }
 
-    /// After a restart: the next tick's step is from this time.
+    /// After a restart: the next tick's step starts at this time.
     pub(crate) const fn resume(&mut self, last_us: u64) {
         self.last_us = Some(last_us);
     }
 
-    /// The tick is over.
+    /// Ends the tick.
     pub const fn end(&mut self) {
         self.calibration_begins = false;
     }
@@ -159,7 +159,7 @@ impl Frame {
             Signal::GroundSpeed => fix.and_then(|_| tracker.horizontal_speed_mps()),
             Signal::ClimbRate => fix.and_then(|_| tracker.climb_rate_mps()),
             Signal::Altitude => {
-                // Carried on at every tick, but no sample of its own between two fixes.
+                // Carried on at every tick, but not a new sample between two fixes.
                 let altitude_m = tracker.altitude_m();
                 if fix.is_none()
                     && let (Some(slot), Some(altitude_m)) =
@@ -222,7 +222,7 @@ impl Frame {
     }
 }
 
-/// Signals that are made of the tick's inertial sample.
+/// Signals computed from the tick's inertial sample.
 const INERTIAL: u64 = Signal::LoadFactor.bit()
     | Signal::AccelerationVariance.bit()
     | Signal::AccelX.bit()

@@ -2,23 +2,23 @@
 
 use super::signal::SIGNALS;
 
-/// Most operations of a program.
+/// Largest number of operations in a program.
 pub const MAX_OPS: usize = 48;
-/// Deepest stack.
+/// Largest depth of the stack.
 pub const MAX_DEPTH: usize = 16;
-/// Most sets of signals that functions with memory wait for.
+/// Largest number of signal sets that functions with memory wait for.
 pub const MAX_MASKS: usize = 8;
-/// Most numbers that one program remembers.
+/// Limit on the numbers that one program remembers.
 pub const MAX_STATE_WORDS: usize = 64;
-/// So that a mask keeps an index within them.
+/// Powers of two, so that a mask keeps an index in range.
 const _: () = assert!(MAX_DEPTH.is_power_of_two() && MAX_MASKS.is_power_of_two());
-/// The `of` of an operation whose argument is on the stack rather than a signal: every operation as the
-/// compiler of formulas writes it.
+/// Value of `of` for an argument that is on the stack rather than a signal; the compiler of formulas writes
+/// every operation like that.
 pub const TOP: u8 = u8::MAX;
 
 /// One operation. Arguments are taken from the stack, the last one from its top, and the result takes their
-/// place; `at` is where the operation's memory begins, `mask` which of the program's sets of signals it
-/// samples its argument at.
+/// place. `at` is where the operation's memory begins; `mask` selects the program's set of signals at whose
+/// samples it samples its argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Op {
     /// A number.
@@ -53,8 +53,7 @@ pub enum Op {
     Not,
     /// 1 where `a > 0`, else 0.
     Step,
-    /// `a + c`: a constant that an operation takes at once is in the operation, as [`Program::new`] joins
-    /// them; likewise below.
+    /// `a + c`: the constant is part of the operation, as joined by [`Program::new`]; likewise below.
     AddConstant(f32),
     /// `a - c`.
     SubtractConstant(f32),
@@ -89,7 +88,7 @@ pub enum Op {
         at: u8,
         /// The signal that is its argument, or [`TOP`].
         of: u8,
-        /// A part of it, s: the interval between the samples that are kept.
+        /// Interval between the samples that are kept, s: a fraction of the delay.
         interval_s: f32,
     },
     /// Square root; silent below 0.
@@ -102,9 +101,9 @@ pub enum Op {
     Sine,
     /// Cosine of radians; silent beyond a thousand.
     Cosine,
-    /// A whole power.
+    /// Integer power.
     Power(i8),
-    /// Any power; silent below 0.
+    /// Real power; silent below 0.
     RealPower(f32),
     /// Pressure altitude (m) of a pressure (Pa), ICAO Doc 7488.
     IsaAltitude,
@@ -114,11 +113,11 @@ pub enum Op {
     IsaTemperature,
     /// Density of the standard atmosphere at an altitude (m), Pa s^2/m^2 (kg/m^3).
     IsaDensity,
-    /// Change over time, between the samples of the signals of the mask.
+    /// Rate of change, between samples of the mask's signals.
     Rate {
         /// Four words.
         at: u8,
-        /// When to look.
+        /// When to sample.
         mask: u8,
         /// The signal that is its argument, or [`TOP`].
         of: u8,
@@ -142,32 +141,32 @@ pub enum Op {
         /// Two words.
         at: u8,
     },
-    /// `a` as it was `b` seconds ago, from sixteen samples over that time with straight lines between them;
-    /// silent until then.
+    /// `a` as it was `b` seconds ago, from sixteen samples over that time joined by straight lines; silent
+    /// until then.
     Delay {
         /// `delay::WORDS` words.
         at: u8,
     },
-    /// Mean of `a` over the samples of the calibration (before it: of all so far), and that of captive flight
-    /// after launch.
+    /// Mean of `a` over the samples of the calibration (before it, over all so far); after launch, the mean
+    /// of captive flight.
     Captive {
         /// Three words.
         at: u8,
-        /// What is a sample.
+        /// What counts as a sample.
         mask: u8,
         /// The signal that is its argument, or [`TOP`].
         of: u8,
     },
-    /// `a` at the first sample of the calibration; before it, at the first of all.
+    /// `a` at the first sample of the calibration; before it, at the first sample of all.
     AtCalibration {
         /// Two words.
         at: u8,
-        /// What is a sample.
+        /// What counts as a sample.
         mask: u8,
         /// The signal that is its argument, or [`TOP`].
         of: u8,
     },
-    /// `a` itself before launch, after it as it was at launch.
+    /// `a` before launch; after launch, its value at launch.
     AtLaunch {
         /// Two words.
         at: u8,
@@ -177,7 +176,7 @@ pub enum Op {
 }
 
 impl Op {
-    /// How many arguments it takes from the stack.
+    /// Number of arguments taken from the stack.
     #[must_use]
     pub const fn arguments(self) -> usize {
         match self {
@@ -198,7 +197,7 @@ impl Op {
         }
     }
 
-    /// Where its memory begins, and how many words it has; `None` for one without.
+    /// Start of its memory, and number of words; `None` for an operation without memory.
     #[must_use]
     pub const fn memory(self) -> Option<(u8, usize)> {
         match self {
@@ -226,7 +225,7 @@ impl Op {
         }
     }
 
-    /// The signal that an operation with a memory takes at once.
+    /// The signal that an operation with a memory takes directly.
     const fn argument_signal(self) -> Option<u8> {
         match self {
             Self::LowPassBy { of, .. }
@@ -245,8 +244,8 @@ impl Op {
         }
     }
 
-    /// This operation and the one before it, which puts its last argument on the stack, as one; `None` where
-    /// there is none for both. The same numbers at less than the price of two.
+    /// Joins this operation with the one before it, which puts its last argument on the stack; `None` where
+    /// no operation does both. It gives the same numbers at less than the cost of two.
     const fn joined(self, before: Self) -> Option<Self> {
         Some(match (before, self) {
             (Self::Constant(number), Self::Add) => Self::AddConstant(number),
@@ -304,10 +303,10 @@ pub struct Program {
 }
 
 impl Program {
-    /// A program of these operations; `masks` are sets of signals, a bit for each place in a
+    /// Makes a program of these operations; `masks` are sets of signals, a bit for each place in a
     /// [`super::Frame`]. `None` where it is too long, reads what is not on the stack, leaves other than one
-    /// number there, needs a stack that is too deep, has more memory than there is, or memory that is not
-    /// laid out in the operations' order.
+    /// number there, needs too deep a stack, has too much memory, or has memory that is not laid out in the
+    /// operations' order.
     #[must_use]
     pub const fn new(ops: &[Op], masks: &[u64]) -> Option<Self> {
         if ops.is_empty() || ops.len() > MAX_OPS || masks.len() > MAX_MASKS {
@@ -368,7 +367,7 @@ impl Program {
         if depth == 1 { Some(program) } else { None }
     }
 
-    /// The program, or where there is none one that is always 0: for a constant that is known to be one.
+    /// The program or, without one, a program that is always 0: for a constant that is known to be a program.
     #[must_use]
     pub const fn or_nothing(program: Option<Self>) -> Self {
         match program {
@@ -383,7 +382,7 @@ impl Program {
         }
     }
 
-    /// Its operations, in the order in which they are done, joined where two are done as one.
+    /// Its operations in order of execution, joined where two are done as one.
     #[must_use]
     pub fn ops(&self) -> &[Op] {
         self.ops.get(..usize::from(self.length)).unwrap_or(&self.ops)
@@ -395,7 +394,7 @@ impl Program {
         &self.masks
     }
 
-    /// How many numbers it remembers from one tick to the next; all 0 at the start.
+    /// How many numbers it remembers from one tick to the next; all are 0 at the start.
     #[must_use]
     pub const fn state_words(&self) -> usize {
         self.state_words as usize
@@ -413,7 +412,7 @@ impl Program {
         self.ops().contains(&Op::TimeConstant)
     }
 
-    /// Whether it has all of the free flight in it, by an integral.
+    /// Whether it depends on the whole free flight, by an integral.
     #[must_use]
     pub fn is_integrated(&self) -> bool {
         self.ops().iter().any(|op| matches!(op, Op::Integral { .. } | Op::DoubleIntegral { .. }))

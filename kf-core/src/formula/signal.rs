@@ -1,9 +1,9 @@
-//! What a formula may read.
+//! Signals that a formula may read.
 
 use crate::effect::Uses;
 
-/// How many columns that the estimator does not know a model's formulas may read; only at the desk, where
-/// there are such.
+/// Largest number of extra columns (columns that the estimator has no name for) that a model's formulas may
+/// read. None on a target without an operating system: only the desk has such columns.
 pub const MAX_COLUMNS: usize = if cfg!(target_os = "none") { 0 } else { 8 };
 
 macro_rules! signals {
@@ -25,7 +25,7 @@ macro_rules! signals {
                 match self { $(Self::$variant => $name,)* }
             }
 
-            /// Its unit in a formula. A column `_c` is there in kelvin, absolute.
+            /// Its unit in a formula. Columns `_c` are converted to kelvin, absolute.
             #[must_use]
             pub const fn unit(self) -> &'static str {
                 match self { $(Self::$variant => $unit,)* }
@@ -43,22 +43,22 @@ signals! {
     Launch = "launch", "1";
     /// Cosine of the latitude of the model's `[site]`.
     CosineLatitude = "cos_latitude", "1";
-    /// True airspeed, or while none has been measured the speed over ground, climb included.
+    /// True airspeed; until one is measured, the speed over ground, climb included.
     Airspeed = "airspeed_mps", "m/s";
     /// Horizontal speed over ground.
     GroundSpeed = "ground_speed_mps", "m/s";
-    /// Climb rate: the receiver's own, else from its altitudes.
+    /// Climb rate: the receiver's own if it gives one, else from its altitudes.
     ClimbRate = "climb_rate_mps", "m/s";
-    /// The reference's altitude, carried on from the last fix by the climb rate.
+    /// The reference's altitude: the last fix carried forward by the climb rate.
     Altitude = "altitude_m", "m";
-    /// Load factor, low-passed with 0.05 s.
+    /// Load factor, low-passed with a time constant of 0.05 s.
     LoadFactor = "load_factor", "1";
-    /// Upward acceleration in the level frame, gravity taken off.
+    /// Upward acceleration in the level frame, without gravity.
     UpwardAcceleration = "upward_accel_mps2", "m/s^2";
     /// Forward acceleration in the level frame.
     ForwardAcceleration = "forward_accel_mps2", "m/s^2";
-    /// Half the squared difference of two neighbouring samples of the specific force, summed over the axes:
-    /// the vibration's variance.
+    /// Half the squared difference of two successive samples of the specific force, summed over the axes: the
+    /// vibration's variance.
     AccelerationVariance = "accel_variance", "m^2/s^4";
     /// Column `tas_mps`.
     TrueAirspeed = "tas_mps", "m/s";
@@ -112,11 +112,11 @@ signals! {
     ImuSlave = "imu_slave_alt_m", "m";
 }
 
-/// Places of a frame: the signals, then the columns that the estimator does not know.
+/// Places of a frame: the signals, then the extra columns.
 pub const SIGNALS: usize = Signal::ALL.len() + MAX_COLUMNS;
 
-/// How many of these a [`super::Frame`] has room for: none where no model has a formula. A power of two, so
-/// that a mask keeps an index inside, which is cheaper than a comparison.
+/// Number of places in a [`super::Frame`]; 0 where no model has a formula. A power of two, so that a mask
+/// keeps an index in range, which is cheaper than a comparison.
 pub(super) const PLACES: usize = if cfg!(feature = "formulas") { SIGNALS.next_power_of_two() } else { 0 };
 
 impl Signal {
@@ -132,19 +132,19 @@ impl Signal {
         1 << self.place()
     }
 
-    /// The signal of that name.
+    /// The signal with this name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|signal| signal.name() == name)
     }
 
-    /// The place of the column of that number that the estimator does not know; there are [`MAX_COLUMNS`].
+    /// Place of an extra column by its number; there are [`MAX_COLUMNS`].
     #[must_use]
     pub const fn column_place(column: u8) -> u8 {
         Self::ALL.len() as u8 + column
     }
 
-    /// Columns of a flight that it is made of, where there is no stand-in.
+    /// Columns of a flight from which the signal is made when nothing substitutes for them.
     #[must_use]
     pub const fn needs(self) -> &'static [&'static str] {
         const ATTITUDE: &[&str] = &["roll_rad", "pitch_rad", "yaw_rad"];
@@ -183,7 +183,7 @@ impl Signal {
     }
 }
 
-/// What the tracker of signals has to follow for a set of them.
+/// What the signal tracker must follow for a set of signals.
 pub(crate) const fn uses(signals: u64) -> Uses {
     let mut uses = Uses::NOTHING;
     if signals & (Signal::ClimbRate.bit() | Signal::Altitude.bit()) != 0 {

@@ -1,4 +1,4 @@
-//! One tick of a program.
+//! Evaluation of a program at one tick.
 
 use super::program::{MAX_DEPTH, MAX_MASKS, MAX_STATE_WORDS, Op, Program, TOP};
 use super::words::{at_calibration, at_launch, captive, double_integral, integral, low_pass, rate, words};
@@ -13,20 +13,20 @@ use crate::trigonometry::sine_and_cosine;
 /// Why a formula has no value at a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Silent {
-    /// A signal has not been seen, or a function of the past has not enough of it yet.
+    /// A signal has not been seen yet, or a function of the past has too little history.
     NotYet,
     /// A division by zero.
     DivisionByZero,
-    /// A root, a logarithm or a power that is not whole, of a number that has none.
+    /// A root, a logarithm or a non-integer power of a number for which it is undefined.
     NoRoot,
-    /// An angle, altitude, pressure or time that is out of its function's range.
+    /// An angle, altitude, pressure or time outside its function's range.
     OutOfRange,
-    /// A number that is too large.
+    /// A result that is too large.
     Overflow,
 }
 
 impl Silent {
-    /// Why, in a few words.
+    /// The reason, in a few words.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -39,12 +39,12 @@ impl Silent {
     }
 }
 
-/// Scratch memory for the stack of one tick. Nothing in it survives the tick; the caller owns it because
-/// clearing it at every tick would cost as much as an operation.
+/// Scratch memory for the stack of one tick. Its content does not outlive the tick. The caller owns it
+/// because clearing it at every tick would cost as much as an operation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stack([f32; MAX_DEPTH]);
 
-/// A program and what it remembers.
+/// A program and its memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation {
     program: Program,
@@ -54,7 +54,7 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// Before its first tick.
+    /// The state before the first tick.
     #[must_use]
     pub const fn new(program: &Program, time_constant_s: f32) -> Self {
         Self {
@@ -68,29 +68,29 @@ impl Evaluation {
     /// The formula's value at a tick.
     ///
     /// # Errors
-    /// [`Silent`]: it has none.
+    /// [`Silent`]: the formula has no value.
     pub fn step(&mut self, frame: &Frame) -> Result<f32, Silent> {
         step(&self.program, &mut self.state, &mut self.stack, frame, self.time_constant_s)
     }
 
-    /// What it runs.
+    /// The program.
     #[must_use]
     pub const fn program(&self) -> &Program {
         &self.program
     }
 
-    /// What it remembers; finite numbers.
+    /// The program's memory; finite numbers.
     #[must_use]
     pub const fn state(&self) -> &[f32; MAX_STATE_WORDS] {
         &self.state
     }
 }
 
-/// Runs a program over a tick's signals. `state` has at least [`Program::state_words`] numbers, 0 before the
-/// first tick, then as they were left.
+/// Runs a program over a tick's signals. `state` holds at least [`Program::state_words`] numbers: 0 before
+/// the first tick, then as the last tick left them.
 ///
 /// # Errors
-/// [`Silent`]: the first thing that left the formula without a value.
+/// [`Silent`]: the first operation that left the formula without a value.
 #[inline]
 pub fn step(
     program: &Program,
@@ -103,8 +103,8 @@ pub fn step(
     let mut depth = 0_usize;
     let mut top = 0.0_f32;
     let (seconds, launched, begins) = (frame.seconds, frame.launched, frame.calibration_begins);
-    // The program has been checked: what it takes is there. Masks keep every index inside for the compiler to
-    // see.
+    // The program has been checked: every operand is there. Masks show the compiler that every index is in
+    // range.
     for op in program.ops() {
         let mut under = 0.0;
         macro_rules! push {
@@ -121,8 +121,7 @@ pub fn step(
                 under
             }};
         }
-        // A second argument that is not on the stack: whether it is a number is asked for as that of one that
-        // was.
+        // A second argument that is not on the stack: checked for being a number as if it had been.
         macro_rules! constant {
             ($value:expr) => {{
                 under = $value;
@@ -135,7 +134,7 @@ pub fn step(
                 under
             }};
         }
-        // An operation with memory takes its argument from the stack, or pushes a signal first and takes
+        // An operation with memory takes its argument from the stack, or first pushes a signal and takes
         // that.
         macro_rules! argument {
             ($of:expr) => {
@@ -152,7 +151,7 @@ pub fn step(
                 }
             };
         }
-        // The fast path where it has a value, else the general function.
+        // The fast path if it yields a value, else the general function.
         macro_rules! remembered_fast {
             ($at:expr, $of:expr, |$memory:ident| $fast:expr, $general:expr) => {{
                 argument!($of);
@@ -270,7 +269,7 @@ pub fn step(
                 |memory| fast_path::at_launch(memory, top, launched),
                 at_launch(memory, top, launched)
             ),
-            // Named one by one, so that no operation is looked for beyond the last.
+            // Listed one by one, so that no operation is compared beyond the last.
             op @ (Op::Root
             | Op::Exponential
             | Op::Logarithm
@@ -293,7 +292,7 @@ pub fn step(
     if top.is_nan() { Err(why.unwrap_or(Silent::NotYet)) } else { Ok(top) }
 }
 
-/// A value that is one only if its argument is.
+/// `value`, or NaN where the argument is NaN.
 #[inline(always)]
 fn of_number(argument: f32, value: f32) -> f32 {
     if argument.is_nan() { argument } else { value }
@@ -341,7 +340,7 @@ fn function(op: Op, a: f32) -> f32 {
         Op::Sine => sine_and_cosine(a).map_or(f32::NAN, |(sine, _)| sine),
         Op::Cosine => sine_and_cosine(a).map_or(f32::NAN, |(_, cosine)| cosine),
         Op::RealPower(exponent) if a == 0.0 && exponent > 0.0 => 0.0,
-        // Not `powf`: libm's calls its square root, which no tick may.
+        // Not `powf`: libm's version calls its square root, which is forbidden in a tick.
         Op::RealPower(exponent) => libm::expf(exponent * logarithm(a)),
         Op::IsaAltitude => pressure_altitude_m(a).unwrap_or(f32::NAN),
         Op::IsaPressure => static_pressure_pa(a).unwrap_or(f32::NAN),
@@ -363,7 +362,7 @@ fn logarithm(a: f32) -> f32 {
     if a > 0.0 { libm::logf(a) } else { f32::NAN }
 }
 
-/// Within a rounding: one of Heron's steps after the reciprocal's.
+/// Square root, correct to rounding: one of Heron's steps after the reciprocal root.
 fn root(a: f32) -> f32 {
     if a < 0.0 {
         return f32::NAN;
@@ -375,7 +374,7 @@ fn root(a: f32) -> f32 {
     0.5 * (guess + a / guess)
 }
 
-/// By squaring.
+/// Integer power, by repeated squaring.
 #[inline]
 fn power(a: f32, exponent: i8) -> f32 {
     if exponent == 2 {
@@ -398,8 +397,7 @@ fn power(a: f32, exponent: i8) -> f32 {
     if exponent < 0 { 1.0 / result } else { result }
 }
 
-/// Why an operation made no number; `top` is the argument that was on the top of the stack, `second` the one
-/// that was not.
+/// Why an operation gave no number. `top` is the argument from the top of the stack, `second` the other one.
 #[cold]
 fn reason(op: Op, top: f32, second: f32, was_number: bool, value: f32) -> Silent {
     if !was_number {

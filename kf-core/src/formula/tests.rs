@@ -1,4 +1,4 @@
-//! Functions with memory: what they are, what waits, and what never enters them.
+//! Functions with memory: their values, how they wait for input, and what must never enter their memory.
 
 use proptest::prelude::*;
 
@@ -6,7 +6,7 @@ use super::*;
 use crate::effect::SignalTracker;
 use crate::input::{BaroReading, GpsFix, ImuSample, Signals, TickInput};
 
-/// A program of one operation on the throttle, or on it and a number.
+/// A program of one operation on the throttle, or on the throttle and a number.
 fn of(op: impl Fn(u8, u8) -> Op, second: Option<f32>) -> Evaluation {
     let mut ops = vec![Op::Signal(Signal::Throttle.place())];
     ops.extend(second.map(Op::Constant));
@@ -14,7 +14,7 @@ fn of(op: impl Fn(u8, u8) -> Op, second: Option<f32>) -> Evaluation {
     Evaluation::new(&Program::new(&ops, &[Signal::Throttle.bit()]).unwrap(), 1.0)
 }
 
-/// Runs it over ticks of a tenth of a second, launched at the `launch`-th.
+/// Runs it over ticks of a tenth of a second, with the launch at tick `launch`.
 fn run(evaluation: &mut Evaluation, launch: usize, values: &[Option<f32>]) -> Vec<Result<f32, Silent>> {
     let mut frame = Frame::default();
     let ticks = values.iter().enumerate();
@@ -56,7 +56,7 @@ fn an_hour_of_integral_loses_nothing() {
         frame.begin(if k == 0 { 0.0 } else { 0.005 }, true, false);
         last = evaluation.step(&frame);
     }
-    // Uncompensated f32 is 1 % off by then.
+    // Without compensation f32 is 1 % off by then.
     assert!((last.unwrap() / 360.0 - 1.0).abs() < 3e-7, "{last:?}");
 }
 
@@ -113,7 +113,7 @@ fn what_is_kept_of_captive_flight_stays_after_launch() {
     assert!(close(means[9], 4.5) && means[10..].iter().all(|mean| close(*mean, 4.5)), "{means:?}");
     let latched = run(&mut of(|at, _| Op::AtLaunch { at, of: TOP }, None), 10, &values);
     assert!(close(latched[4], 4.0) && latched[10..].iter().all(|value| close(*value, 9.0)), "{latched:?}");
-    // The calibration begins at the fifth tick: what was before does not count.
+    // The calibration begins at the fifth tick: earlier samples do not count.
     let mut evaluations = [
         of(|at, mask| Op::Captive { at, mask, of: TOP }, None),
         of(|at, mask| Op::AtCalibration { at, mask, of: TOP }, None),
@@ -133,8 +133,8 @@ fn what_is_kept_of_captive_flight_stays_after_launch() {
 
 #[test]
 fn what_is_no_number_waits_and_is_made_up_for() {
-    // 1/throttle over twenty ticks, at seven of which the throttle is 0: nothing is known there, and the line
-    // goes across.
+    // 1/throttle over twenty ticks, at seven of which the throttle is 0: nothing is known there, and a
+    // straight line bridges them.
     let ops = [
         Op::Constant(1.0),
         Op::Signal(Signal::Throttle.place()),
@@ -160,7 +160,7 @@ fn a_program_that_could_not_run_is_none() {
     assert!(Program::new(&[throttle, Op::Rate { at: 0, mask: 0, of: TOP }], &[]).is_none());
     assert!(Program::new(&[throttle; MAX_OPS + 1], &[]).is_none());
     assert!(Program::new(&[throttle; MAX_DEPTH + 1], &[]).is_none());
-    // A stack as deep as there is, and with it the operation that empties it.
+    // A stack of the full depth, and the operations that empty it.
     let mut deep = vec![throttle; MAX_DEPTH];
     deep.extend([Op::Add; MAX_DEPTH - 1]);
     let mut evaluation = Evaluation::new(&Program::new(&deep, &[]).unwrap(), 1.0);
@@ -188,7 +188,7 @@ fn joined_operations_are_the_two_they_are_made_of() {
         .chain(signals.map(|op| (Op::Signal(roll), op)));
     for (leaf, op) in leaves {
         let joined = Program::new(&[Op::Signal(throttle), leaf, op], &[]).unwrap();
-        // Two changes of the sign change no bit, and keep the two apart.
+        // Two negations change no bit, but keep the two operations from being joined.
         let apart = Program::new(&[Op::Signal(throttle), leaf, Op::Negate, Op::Negate, op], &[]).unwrap();
         assert_eq!((joined.ops().len(), apart.ops().len()), (2, 5), "{joined:?}");
         assert_eq!(joined.signals(), apart.signals());
@@ -210,8 +210,8 @@ fn joined_operations_are_the_two_they_are_made_of() {
 #[test]
 fn a_memory_with_a_constant_is_the_two_operations_that_it_is_made_of() {
     let memories = [Op::LowPass { at: 0 }, Op::Delay { at: 0 }];
-    // What is no number, a step, a number so large that its difference is none, and time constants that are
-    // none.
+    // Values: invalid numbers, a step, numbers so large that their difference overflows; and time constants
+    // that are not positive.
     let values: Vec<_> = (0..200_u8)
         .map(|k| match k {
             50..60 => Some(0.0),
@@ -227,7 +227,7 @@ fn a_memory_with_a_constant_is_the_two_operations_that_it_is_made_of() {
             Evaluation::new(&Program::new(&ops, &[]).unwrap(), 1.0)
         };
         let (mut joined, mut apart) = (of(&[]), of(&[Op::Negate, Op::Negate]));
-        // A low pass whose constant is none stays two, which says why it is silent.
+        // A low pass without a valid constant stays two operations, which report why it is silent.
         let are_joined = seconds > 0.0 || op == Op::Delay { at: 0 };
         assert_eq!(joined.program().ops().len() + 2 + usize::from(are_joined), apart.program().ops().len());
         let [together, parted] = [&mut joined, &mut apart].map(|evaluation| run(evaluation, 99, &values));
@@ -236,8 +236,8 @@ fn a_memory_with_a_constant_is_the_two_operations_that_it_is_made_of() {
     }
 }
 
-/// Ticks of a flight with all that a memory must tell apart: a launch, a calibration that begins (twice), no
-/// new sample, no number.
+/// Ticks of a flight with every case that a memory must distinguish: a launch, a calibration that begins
+/// (twice), no new sample, no number.
 fn ticks() -> impl Strategy<Value = Vec<(Option<Option<f32>>, bool)>> {
     let value = prop_oneof![8 => (-50.0_f32..50.0).prop_map(Some), 1 => Just(None), 1 => Just(Some(3e38))];
     let tick = (prop_oneof![3 => value.prop_map(Some), 1 => Just(None)], proptest::bool::weighted(0.05));
@@ -258,7 +258,7 @@ proptest! {
             &[Op::Constant(0.7), Op::LowPass { at: 0 }],
             &[Op::Constant(0.7), Op::Delay { at: 0 }],
         ] {
-            // After something that is to be on the stack still.
+            // After a value that must still be on the stack.
             let of = |between: &[Op]| {
                 let ops = [&[Op::Constant(2.0), Op::Signal(place)][..], between, op, &[Op::Subtract]].concat();
                 Evaluation::new(&Program::new(&ops, &[Signal::Throttle.bit()]).unwrap(), 1.0)
@@ -271,7 +271,7 @@ proptest! {
                 frame.begin(if k == 0 { 0.0 } else { 0.05 }, k >= launch, *begins);
                 match value {
                     Some(Some(value)) => frame.set(place, *value),
-                    // There is no way back to "not seen" in flight; a frame made anew has it.
+                    // A signal never returns to "not seen" in flight; only a newly made frame has that state.
                     Some(None) => {
                         frame = Frame::default();
                         frame.begin(0.05, k >= launch, *begins);
@@ -285,8 +285,8 @@ proptest! {
     }
 }
 
-/// A tick that brings everything, and what a frame takes of it for one signal: its value, and the signals
-/// that are new beside those that always are.
+/// A tick with every input, and what a frame takes from it for one signal: its value, and the signals that
+/// are new in addition to those that always are.
 fn taken(signal: Signal, gyro_radps: [f32; 3]) -> (Option<f32>, u64) {
     let input = TickInput {
         time_us: 5_000,
@@ -315,7 +315,7 @@ fn taken(signal: Signal, gyro_radps: [f32; 3]) -> (Option<f32>, u64) {
         ..TickInput::default()
     };
     let (mut tracker, mut frame) = (SignalTracker::default(), Frame::default());
-    // The second tick has differences too.
+    // The second tick also has differences.
     for time_us in [0, 5_000] {
         let input = TickInput { time_us, ..input };
         tracker.take(&input, input.gps.as_ref());
@@ -325,7 +325,7 @@ fn taken(signal: Signal, gyro_radps: [f32; 3]) -> (Option<f32>, u64) {
     (frame.value(signal.place()), frame.new & !always)
 }
 
-/// A power of a negative number has no value; one of a large number has none that fits.
+/// A power of a negative number has no value; a power of a large number overflows.
 #[test]
 fn a_power_without_a_value_says_why() {
     let at = |value| run(&mut of(|_, _| Op::RealPower(40.5), None), 0, &[Some(value)])[0];
@@ -347,8 +347,8 @@ fn a_frame_takes_the_signal_that_is_used_and_no_other() {
     assert_eq!(taken(Signal::Altitude, [0.01, 0.02, 0.03]).0, Some(1_000.0), "that of the tick's own fix");
 }
 
-/// No vehicle of this class turns at a hundred radians a second: of such a sample nothing is taken, not its
-/// forces either.
+/// No vehicle of this class turns at a hundred radians a second: nothing is taken from such a sample, not
+/// even its forces.
 #[test]
 fn a_frame_takes_no_inertial_signal_of_a_sample_that_can_not_be() {
     for signal in [Signal::AccelX, Signal::GyroY, Signal::LoadFactor, Signal::AccelerationVariance] {
@@ -356,8 +356,8 @@ fn a_frame_takes_no_inertial_signal_of_a_sample_that_can_not_be() {
     }
 }
 
-/// Of two samples that are independent, half the square of their difference is their variance, on the mean;
-/// what they have in common is no vibration.
+/// For two independent samples, half the squared difference is on average their variance; what they have in
+/// common is not vibration.
 #[test]
 fn the_forces_variance_is_of_its_change() {
     let used = Signal::AccelerationVariance;

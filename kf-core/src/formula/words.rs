@@ -1,17 +1,16 @@
 //! Memory of single operations, as numbers in the state.
 //!
-//! A state is all zeros at the start. Where "nothing yet" has to be told from a number it is a word of its
-//! own, so that no NaN is needed.
+//! A state is all zeros at the start. Where "nothing yet" must be distinguished from a number, it has a word
+//! of its own, so that no NaN is needed.
 
-/// Memory of that many words from `at` on.
+/// Memory of `N` words from `at` on.
 #[inline(always)]
 pub(super) fn words<const N: usize>(state: &mut [f32], at: u8) -> Option<&mut [f32; N]> {
     state.get_mut(usize::from(at)..)?.first_chunk_mut()
 }
 
-/// What an addition keeps, and what it rounds off (Kahan, "Further remarks on reducing truncation errors",
-/// CACM 8(1), 1965). The second is finite only where the first is: an infinity less a number is no finite
-/// one.
+/// The rounded sum, and the part that rounding lost (Kahan, "Further remarks on reducing truncation errors",
+/// CACM 8(1), 1965). The second is finite only where the first is: infinity less a number is not finite.
 #[inline(always)]
 fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
     let corrected = addend - lost;
@@ -19,12 +18,12 @@ fn plus(sum: f32, lost: f32, addend: f32) -> (f32, f32) {
     (value, (value - sum) - corrected)
 }
 
-/// A word that says how long an operation has waited for its argument to be a number again: 0 where it never
-/// was one, this where it was one at the last tick, and else minus the seconds.
+/// Word that records how long an operation has waited for its argument to be a number again: 0 if it never
+/// was one, this value if it was one at the last tick, otherwise minus the seconds since.
 pub(super) const BEGUN: f32 = 1.0;
 
-/// Adds a step to `[sum, lost, last, waited]`, by the trapezium. `None`, with nothing kept, where the sum is
-/// not finite.
+/// Adds a step to `[sum, lost, last, waited]` by the trapezium rule. `None`, with nothing stored, if the sum
+/// is not finite.
 #[inline(always)]
 pub(super) fn add_trapezium([sum, lost, last, _]: &mut [f32; 4], argument: f32, step_s: f32) -> Option<f32> {
     let (next, next_lost) = plus(*sum, *lost, 0.5 * step_s * (*last + argument));
@@ -56,8 +55,8 @@ pub(super) fn integral(memory: &mut [f32; 4], argument: f32, seconds: f32, launc
     begun(value, &mut memory[3])
 }
 
-/// Adds a step to `[slope, lost, value, lost, last, waited]`, exactly for a straight line between two
-/// arguments, as `effect::integral` does. `None`, with nothing kept, where a sum is not finite.
+/// Adds a step to `[slope, lost, value, lost, last, waited]`, exact for a straight line between two
+/// arguments, as `effect::integral` does. `None`, with nothing stored, if a sum is not finite.
 #[inline(always)]
 pub(super) fn add_twice(
     [slope, slope_lost, value, lost, last, _]: &mut [f32; 6],
@@ -95,7 +94,7 @@ pub(super) fn double_integral(memory: &mut [f32; 6], argument: f32, seconds: f32
     begun(value, &mut memory[5])
 }
 
-/// The value, if there is one; the operation then waits no more.
+/// The value, if there is one; the operation then stops waiting.
 #[inline(always)]
 fn begun(value: Option<f32>, waited: &mut f32) -> f32 {
     match value {
@@ -107,14 +106,14 @@ fn begun(value: Option<f32>, waited: &mut f32) -> f32 {
     }
 }
 
-/// Whether it is above 0 and finite. By its bits: the compiler makes some thirty instructions of the two
-/// comparisons.
+/// Whether the value is above 0 and finite. Tested on its bits: for the two comparisons the compiler emits
+/// some thirty instructions.
 #[inline(always)]
 pub(super) fn is_positive(value: f32) -> bool {
     value.to_bits().wrapping_sub(1) < f32::INFINITY.to_bits() - 1
 }
 
-/// One tick more of waiting.
+/// Counts one more tick of waiting.
 #[inline(always)]
 pub(super) fn wait(waited: &mut f32, seconds: f32) {
     if *waited != 0.0 {
@@ -132,7 +131,7 @@ pub(super) fn elapsed(waited: f32, seconds: f32) -> f32 {
     if waited == BEGUN { seconds } else { seconds - waited }
 }
 
-/// Takes a new sample into `[last, waited, rate, has a rate]`. `None`, with nothing kept, where the rate is
+/// Takes a new sample into `[last, waited, rate, has a rate]`. `None`, with nothing stored, if the rate is
 /// not finite.
 #[inline(always)]
 pub(super) fn add_sample(
@@ -148,7 +147,7 @@ pub(super) fn add_sample(
     Some(next)
 }
 
-/// `[last, waited, rate, has a rate]`. `is_new`: whether the argument's signals have a sample.
+/// `[last, waited, rate, has a rate]`. `is_new`: whether the argument's signals have a new sample.
 #[inline(never)]
 pub(super) fn rate(memory: &mut [f32; 4], argument: f32, seconds: f32, is_new: bool) -> f32 {
     let [last, waited, rate, has_rate] = memory;
@@ -168,7 +167,7 @@ pub(super) fn rate(memory: &mut [f32; 4], argument: f32, seconds: f32, is_new: b
 }
 
 /// A first-order low pass after a step towards `argument`, by the backward Euler rule; `whole_s` is the time
-/// constant and the step together.
+/// constant plus the step.
 #[inline(always)]
 pub(super) fn towards(filtered: f32, argument: f32, step_s: f32, whole_s: f32) -> f32 {
     filtered + (argument - filtered) * (step_s / whole_s)
@@ -195,7 +194,7 @@ pub(super) fn low_pass([filtered, waited]: &mut [f32; 2], argument: f32, time_s:
     next
 }
 
-/// Takes a further sample into `[mean, lost, count]`; whether the mean is finite. If not, nothing is kept.
+/// Adds a sample to `[mean, lost, count]`. Returns whether the mean is finite; if not, nothing is stored.
 #[inline(always)]
 pub(super) fn add_to_mean([mean, lost, count]: &mut [f32; 3], argument: f32) -> bool {
     let next_count = *count + 1.0;
@@ -207,8 +206,8 @@ pub(super) fn add_to_mean([mean, lost, count]: &mut [f32; 3], argument: f32) -> 
     true
 }
 
-/// `[mean, lost, count]`. At the first sample of the calibration it starts anew: the count is then negative.
-/// Whether there is a sample is asked only where one would be taken.
+/// `[mean, lost, count]`. The mean restarts at the first sample of the calibration: until then the count is
+/// negative. `is_new` is called only where a sample would be taken.
 #[inline(never)]
 pub(super) fn captive(
     memory: &mut [f32; 3],
@@ -231,7 +230,7 @@ pub(super) fn captive(
     if count == 0.0 { f32::NAN } else { mean }
 }
 
-/// `[value, 0 none | 1 taken | 2 due anew]`.
+/// `[value, 0 none | 1 taken | 2 to be taken again]`.
 #[inline(never)]
 pub(super) fn at_calibration(
     [value, has]: &mut [f32; 2],

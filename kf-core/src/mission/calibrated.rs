@@ -1,4 +1,4 @@
-//! A calibration as the outputs say it.
+//! A calibration in the form of the outputs.
 
 use crate::config::MAX_ESTIMATED_EFFECTS;
 use crate::estimator::Estimator;
@@ -33,7 +33,7 @@ impl Calibrated {
         }
     }
 
-    /// The same numbers, to the bit, as the estimator's when it was latched.
+    /// The same numbers, to the bit, as the estimator had when it was latched.
     #[inline]
     pub(super) fn of_latch(latch: &LatchRecord) -> Self {
         let [master, slave, baro] = &latch.sensors;

@@ -1,18 +1,18 @@
-//! What the model's effects add to a tick's readings, and how far they could be trusted.
+//! What the model's effects add to a tick's readings, and whether they were used within their envelopes.
 
 use super::Mission;
 use crate::config::MAX_ESTIMATED_EFFECTS;
 use crate::effect::{ActingEffects, EffectId, EffectSubject, Regressor};
 use crate::reference::AcceptedFix;
 
-/// The estimated effects' regressors at one tick, and what came of the effects.
+/// Regressors of the estimated effects at one tick, and how the effects were used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct EffectUse<const E: usize> {
-    /// `None`: a signal is missing.
+    /// `None` if a signal is missing.
     regressors_m: [Option<f32>; E],
-    /// Readings and fixes that went without an effect.
+    /// Readings and fixes that were not corrected by an effect.
     missing: u32,
-    /// Readings and fixes outside of an effect's envelope.
+    /// Readings and fixes outside an effect's envelope.
     beyond: u32,
     extrapolated: u16,
 }
@@ -32,7 +32,7 @@ impl<const E: usize> EffectUse<E> {
         self.extrapolated
     }
 
-    /// Notes that an effect was used with that regressor.
+    /// Records that an effect was used with this regressor.
     fn note(&mut self, bit: usize, regressor_m: Option<f32>, extrapolates: impl FnOnce(f32) -> bool) {
         match regressor_m {
             None => self.missing = self.missing.saturating_add(1),
@@ -54,7 +54,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         })
     }
 
-    /// Sum of the constant effects on a subject, metres, which its reading is freed of; notes the use of
+    /// Sum of the constant effects on a subject, metres, to subtract from its reading; records the use of
     /// every effect on it.
     #[inline(always)]
     pub(super) fn correction_m(&self, subject: EffectSubject, effects: &mut EffectUse<E>) -> f32 {
@@ -83,7 +83,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         sum_m
     }
 
-    /// The accepted fix, free of the reference's constant effects; keeps its regressors of the estimated.
+    /// The accepted fix without the reference's constant effects; stores its regressors of the estimated
+    /// ones.
     #[inline]
     pub(super) fn correct_fix(&mut self, accepted: AcceptedFix, effects: &mut EffectUse<E>) -> AcceptedFix {
         let correction_m = self.correction_m(EffectSubject::Gps, effects);
@@ -95,8 +96,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         self.tracker.correct(accepted, correction_m)
     }
 
-    /// What the effects on the reference add to a fix, as at the last one, metres, and the variance of that,
-    /// square metres.
+    /// What the effects on the reference add to a fix, as at the last one, metres, and its variance, square
+    /// metres.
     pub(super) fn effects_on_fix(&self) -> (f32, f32) {
         let mut effects_m = self.tracker.correction_m();
         let mut variance_m2 = 0.0;
@@ -113,7 +114,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         (effects_m, variance_m2)
     }
 
-    /// Counts what came of the effects at this tick.
+    /// Counts this tick's uses of the effects.
     pub(super) fn count_effects(&mut self, effects: &EffectUse<E>) {
         let counters = &mut self.counters;
         counters.effects_without_signal = counters.effects_without_signal.saturating_add(effects.missing);

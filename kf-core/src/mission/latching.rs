@@ -1,49 +1,49 @@
-//! What the launch has made of the calibration: it goes on, is held, or is latched.
+//! State of the calibration with respect to the launch: it continues, is held, or is latched.
 //!
 //! | state | launch discrete and doubt | next |
 //! |---|---|---|
 //! | captive | neither a launch nor a suspicion | captive |
 //! | captive | suspected | suspected: the calibration is copied and held |
 //! | captive | a launch | suspected and launched in the same tick |
-//! | suspected | still suspected | suspected: a part of the checks is made |
-//! | suspected | neither | captive: the calibration goes on |
-//! | suspected | a launch | launched: what is held is the latch |
+//! | suspected | still suspected | suspected: a part of the checks is evaluated |
+//! | suspected | neither | captive: the calibration continues |
+//! | suspected | a launch | launched: the held calibration is the latch |
 //! | launched | any | launched |
 
 use crate::calibration::StatisticalChecks;
 use crate::latch::LatchRecord;
 use crate::snapshot::Stage;
 
-/// Contacts that part bounce for so long at most, microseconds: the wire's debounce.
+/// Longest time that parting contacts bounce, microseconds: the wire's debounce.
 const BOUNCE_US: u64 = 20_000;
 
 /// See the module.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there is one, in place, and no heap")]
 pub(super) enum Latching {
-    /// Under the pylon.
+    /// Captive flight.
     Captive {
-        /// The last suspicion of a launch that was none.
+        /// The last suspected launch that was withdrawn.
         taken_back: Option<TakenBack>,
-        /// The reference was lost and came back during it: the next fix has none before it.
+        /// The reference was lost and came back during it: the next fix has no predecessor.
         has_reacquired: bool,
     },
-    /// From the first edge on, as the watches are begun: a suspected launch is flown as one, in secret, so
-    /// that nothing depends on how long it takes to confirm it.
+    /// From the first edge on, monitoring runs: a suspected launch is treated as a launch internally, so that
+    /// nothing depends on how long its confirmation takes.
     Latched {
-        /// The calibration of the first edge.
+        /// The calibration at the first edge.
         record: LatchRecord,
-        /// What has come of it.
+        /// Whether the launch is decided.
         decision: Decision,
     },
 }
 
-/// What has come of the first edge of a launch.
+/// Decision about the first edge of a launch.
 #[derive(Clone, Debug)]
 pub(super) enum Decision {
-    /// Nothing yet: the record is held.
+    /// Undecided: the record is held.
     Suspected {
-        /// What the record's failed checks do not have yet.
+        /// Checks that are not yet in the record's failed checks.
         unchecked: Option<StatisticalChecks>,
         /// As in [`Latching::Captive`].
         has_reacquired: bool,
@@ -56,7 +56,7 @@ impl Latching {
     /// Before any suspicion.
     pub(super) const START: Self = Self::Captive { taken_back: None, has_reacquired: false };
 
-    /// The calibration that is held or latched.
+    /// The held or latched calibration.
     #[inline]
     pub(super) const fn record(&self) -> Option<&LatchRecord> {
         match self {
@@ -75,7 +75,7 @@ impl Latching {
         matches!(self, Self::Latched { decision: Decision::Launched, .. })
     }
 
-    /// As it is kept in a tick's mark.
+    /// The stage as stored in a tick's mark.
     #[inline]
     pub(super) const fn stage(&self) -> Stage {
         match self {
@@ -85,7 +85,7 @@ impl Latching {
         }
     }
 
-    /// The reference was lost and is back. Only a suspicion remembers it.
+    /// The reference was lost and is back. Recorded only during a suspicion.
     #[inline]
     pub(super) const fn note_reacquired(&mut self) {
         if let Self::Latched { decision: Decision::Suspected { has_reacquired, .. }, .. } = self {
@@ -93,7 +93,7 @@ impl Latching {
         }
     }
 
-    /// Whether the reference came back in the last suspicion, once.
+    /// Whether the reference came back during the last suspicion; true once.
     #[inline]
     pub(super) const fn take_reacquired(&mut self) -> bool {
         match self {
@@ -102,7 +102,7 @@ impl Latching {
         }
     }
 
-    /// The last suspicion, if parting contacts that bounce may continue it; `now_us` is in microseconds.
+    /// The last suspicion, if bouncing contacts may continue it; `now_us` is in microseconds.
     #[inline]
     pub(super) fn bounce(&self, now_us: u64) -> Option<&TakenBack> {
         match self {
@@ -114,20 +114,19 @@ impl Latching {
     }
 }
 
-/// A suspicion of a launch that was taken back.
+/// A suspected launch that was withdrawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TakenBack {
     /// When, microseconds.
     time_us: u64,
-    /// It was as short as a bounce. One that lasted was decided: of a wire that is broken nothing is
-    /// suspected any more.
+    /// It was as short as a bounce. A longer one was decided: a broken wire raises no more suspicions.
     is_bounce: bool,
-    /// Of what was held for it.
+    /// Failed checks of the calibration held for it.
     pub(super) failed_checks: u16,
 }
 
 impl TakenBack {
-    /// Taken back now, with what was held for it.
+    /// Withdrawn now, with the calibration held for it.
     pub(super) const fn now(now_us: u64, held: &LatchRecord) -> Self {
         Self {
             time_us: now_us,
@@ -136,8 +135,8 @@ impl TakenBack {
         }
     }
 
-    /// Whether the parting contacts may have bounced just now: what was held is still kept, and a restart
-    /// that finds the wire open goes on from that.
+    /// Whether the parting contacts may just have bounced: the held calibration is still stored, and a
+    /// restart that finds the wire open continues from it.
     const fn may_be_a_bounce(&self, now_us: u64) -> bool {
         self.is_bounce && now_us.saturating_sub(self.time_us) < BOUNCE_US
     }

@@ -1,18 +1,18 @@
-//! The reference as the sensors are compared with it.
+//! The reference with which the sensors are compared.
 
 use super::Mission;
 use crate::output::Rejection;
 use crate::reference::AcceptedFix;
 use crate::time::seconds_between;
 
-/// What a fix is to be held against, from before it.
+/// Prediction with which the next fix is compared.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Carried {
-    /// The altitude carried on to now, metres.
+    /// The altitude carried forward to now, metres.
     altitude_m: f32,
-    /// The climb rate that did it, m/s, if there was one.
+    /// The climb rate used for it, m/s, if there was one.
     rate_mps: Option<f32>,
-    /// Over so many seconds.
+    /// Time over which it was carried, seconds.
     age_s: f32,
 }
 
@@ -28,16 +28,15 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         Some(self.freed_m(altitude_m))
     }
 
-    /// An altitude by the last fix, free of the estimated effects.
+    /// An altitude of the last fix without the estimated effects.
     fn freed_m(&self, altitude_m: f32) -> f32 {
-        // As they stand; after launch, as latched.
+        // The current ones; after launch, the latched ones.
         let coefficients = self.coefficients();
         let products = coefficients.iter().zip(&self.fix_regressors_m);
         altitude_m - products.map(|(coefficient, phi)| coefficient * phi).sum::<f32>()
     }
 
-    /// What the next fix is to be held against, if it comes now; `None` in captive flight, and where the
-    /// reference is lost.
+    /// Prediction for a fix that comes now; `None` in captive flight and if the reference is lost.
     pub(super) fn carried(&self, time_us: u64) -> Option<Carried> {
         self.latching.record()?;
         Some(Carried {
@@ -47,7 +46,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         })
     }
 
-    /// Holds a fix that was just accepted against what was carried on to it.
+    /// Compares a fix that was just accepted with the altitude carried forward to it.
     pub(super) fn check_fix(
         &mut self,
         time_us: u64,
@@ -61,8 +60,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         let is_good = match (rates_mps, fix.interval_s) {
             ((Some(before_mps), Some(now_mps)), Some(interval_s)) => {
                 let age_s = carried.map_or(interval_s, |carried| carried.age_s);
-                // By the mean of the climb rates at both ends, and over the time that it was: the clock may
-                // have leapt.
+                // With the mean of the climb rates at both ends, and over the receiver's own interval: the
+                // clock may have leapt.
                 let carried_m =
                     carried_m + 0.5 * (now_mps - before_mps) * interval_s + before_mps * (interval_s - age_s);
                 self.free_flight.take_fix(time_us, Some(carried_m), altitude_m)
@@ -75,8 +74,8 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         (!is_good).then_some(Rejection::Gated)
     }
 
-    /// A suspicion was none: captive flight goes on from what was carried on to a fix that was refused in it,
-    /// and not from that fix.
+    /// Withdraws a suspicion: captive flight continues from the altitude that was carried forward to a fix
+    /// that was refused meanwhile, not from that fix.
     pub(super) fn resume_reference(&mut self) {
         let last_m = self.tracker.altitude_m(self.tracker.last_fix_us());
         if let (Some(carried_m), Some(last_m)) = (self.free_flight.carried_m(), last_m) {

@@ -1,4 +1,4 @@
-//! A mission that goes on after a restart.
+//! A mission that continues after a restart.
 
 use super::latching::{Decision, Latching};
 use super::{Counters, Mission};
@@ -11,8 +11,8 @@ use crate::snapshot::{Fields, MissionMark, MissionSnapshot, RaisedFlags, Snapsho
 use crate::time::microseconds;
 
 impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E> {
-    /// The mission's state, to be kept; `None` until a launch is at least suspected. What is held during a
-    /// suspicion is what the launch will latch, but for what confirming it changes: that is in
+    /// The mission's state for storage; `None` until a launch is at least suspected. The state held during a
+    /// suspicion is what the launch will latch, except for what its confirmation changes: that is in
     /// [`Self::mark`].
     #[must_use]
     pub fn snapshot(&self) -> Option<MissionSnapshot> {
@@ -20,7 +20,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         Some(MissionSnapshot {
             first_us,
             last_us: self.last_us,
-            // Who goes on from what was held does so after the launch.
+            // A mission that resumes from a held state does so after the launch.
             launch_was: self.launch_was || self.latching.is_held(),
             latch: latch.clone(),
             free_flight: self.free_flight.kept(),
@@ -35,7 +35,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         })
     }
 
-    /// What is to be kept at every tick.
+    /// The mark that must be stored at every tick.
     #[must_use]
     #[inline]
     pub fn mark(&self) -> MissionMark {
@@ -55,7 +55,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         }
     }
 
-    /// The flags that are raised now.
+    /// The flags raised so far.
     #[must_use]
     pub fn raised_flags(&self) -> RaisedFlags {
         if !self.latching.is_launched() {
@@ -67,7 +67,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         flags.with_cross_check(Some(self.cross_check.trust()))
     }
 
-    /// What is not in a snapshot follows from what is.
+    /// Derives what is not in a snapshot from what is.
     fn resume(&mut self, cross_check: Trust, flags: RaisedFlags) {
         if let Some(latch) = self.latching.record() {
             self.cross_check.begin(latch);
@@ -95,26 +95,24 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         signals.is_for(effects.map(|effect| effect.id()), self.config.latitude_deg)
     }
 
-    /// Goes on from the bytes of [`MissionSnapshot::to_bytes`], before the first tick, by the mark of the
-    /// last tick before the interruption; returns the snapshot's time, microseconds. The mission's clock must
-    /// go on from there too.
+    /// Restores the mission from the bytes of [`MissionSnapshot::to_bytes`], before the first tick, with the
+    /// mark of the last tick before the interruption. Returns the snapshot's time, microseconds; the
+    /// mission's clock must continue from there too.
     ///
-    /// A snapshot from before the confirmation of the launch, which came after it, becomes one of the launch;
-    /// if there was none yet, it goes on as a suspicion, and a suspicion that comes to nothing starts the
-    /// calibration again.
+    /// If the launch was confirmed after the snapshot, the snapshot becomes one of the launch. If it was not
+    /// yet confirmed, the mission resumes as suspected; if that suspicion is withdrawn, the calibration
+    /// starts again.
     ///
     /// The time between the snapshot and the first tick is a gap: the moving averages have no samples in it,
-    /// the regressors' integrals cross it on a straight line. If it is longer than the configuration's
-    /// `lost_after_s`, the integrals are given up, and the sensors that have such an effect are not monitored
-    /// any more, whatever flags they have staying. [`crate::output::TickOutput::bridged_us`] says how long it
-    /// was.
+    /// and the regressors' integrals cross it on a straight line. If it is longer than the configuration's
+    /// `lost_after_s`, the integrals are abandoned, and the sensors with such an effect are no longer
+    /// monitored; their flags stay. [`crate::output::TickOutput::bridged_us`] reports the length of the gap.
     ///
-    /// The bytes are read a field at a time, first to see whether they are a snapshot of this mission, then
-    /// into it: a restart has no room on the stack for a whole one.
+    /// The bytes are read one field at a time, first to check that they are a snapshot of this mission, then
+    /// into it: at a restart a whole snapshot does not fit on the stack.
     ///
     /// # Errors
-    /// [`SnapshotError`]; the mission has then to start as any other, which nothing that has been restored by
-    /// then disturbs.
+    /// [`SnapshotError`]; the mission must then start normally, and nothing restored so far disturbs that.
     #[inline(never)]
     pub fn restore_snapshot(&mut self, bytes: &[u8], mark: &MissionMark) -> Result<u64, SnapshotError> {
         self.check_fields(Fields::of(bytes)?, mark)?;
@@ -143,7 +141,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         Ok(last_us)
     }
 
-    /// Whether every field is one, and of this mission and launch.
+    /// Whether every field is valid and belongs to this mission and launch.
     #[inline(never)]
     fn check_fields(&self, mut fields: Fields<'_>, mark: &MissionMark) -> Result<(), SnapshotError> {
         fields.times()?;
@@ -161,7 +159,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         if is_ours { check_mark(&counters, mark) } else { Err(SnapshotError::OtherMission) }
     }
 
-    // What follows is apart from each other so that no two of the large fields are on the stack at once.
+    // These are separate functions so that no two of the large fields are on the stack at once.
 
     #[inline(never)]
     fn read_latch(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
@@ -169,7 +167,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         Ok(())
     }
 
-    /// False where they are not of this configuration and latch.
+    /// False if they do not belong to this configuration and latch.
     #[inline(never)]
     fn read_watches(&mut self, fields: &mut Fields<'_>) -> Result<bool, SnapshotError> {
         if let Some(latch) = self.latching.record() {
@@ -210,19 +208,19 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
         Ok(self.are_signals_ours(&fields.signals()?))
     }
 
-    /// What the mark knows better than a snapshot from before it.
+    /// Applies what is newer in the mark than in an earlier snapshot.
     fn apply_mark(&mut self, mark: &MissionMark) {
         let Latching::Latched { record, decision } = &mut self.latching else { return };
         record.failed_checks = mark.failed_checks;
         if mark.stage == Stage::Suspected {
             *decision = Decision::Suspected { unchecked: None, has_reacquired: false };
-            // The filter is a new one: if it has to calibrate after all, it settles first.
+            // The filter is new: if it must calibrate after all, it settles first.
             self.phase = Phase::Settling;
             self.first_us = None;
         }
     }
 
-    /// At the first tick after a restart: what nothing is known of, microseconds. `last_us` is still the
+    /// At the first tick after a restart: the time without data, microseconds. `last_us` is still the
     /// snapshot's.
     #[inline]
     pub(super) fn bridge(&mut self, time_us: u64) -> Option<u64> {
@@ -254,7 +252,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     }
 }
 
-/// Whether a snapshot with these counters is of the launch that the mark is of.
+/// Whether a snapshot with these counters belongs to the mark's launch.
 fn check_mark(counters: &Counters, mark: &MissionMark) -> Result<(), SnapshotError> {
     let suspicions = counters.launch_suspicions as u8 % MissionMark::SUSPICIONS;
     if mark.stage == Stage::Captive || suspicions != mark.suspicions {

@@ -1,4 +1,4 @@
-//! Missions on made-up readings: each bad input has its defined outcome.
+//! Missions on synthetic readings: each bad input has its defined outcome.
 
 use super::*;
 use crate::config::{
@@ -55,11 +55,11 @@ fn config<const E: usize>(climb_rate: bool) -> MissionConfig<E> {
     }
 }
 
-/// A captive flight of 30 s at 2,000 m and 60 m/s, then 10 s of free flight; gps at 5 Hz, sensors at
-/// 50 Hz, 200 ticks a second; noise uniform, of about the configured sigmas.
+/// A captive flight of 30 s at 2,000 m and 60 m/s, then 10 s of free flight; gps at 5 Hz, sensors at 50 Hz,
+/// 200 ticks a second; uniform noise of about the configured sigmas.
 struct Flight {
     seed: u32,
-    /// Multiplies every noise.
+    /// Factor on every noise.
     noise: f32,
 }
 
@@ -97,7 +97,7 @@ impl Flight {
 
 type Dense = Mission<0, 4, 0>;
 
-/// Flies 40 s; `change` edits each tick before it is taken, `see` gets each output.
+/// Flies 40 s; `change` edits each tick before it is processed, `see` gets each output.
 fn fly<const H: usize, const T: usize, const E: usize>(
     config: &MissionConfig<E>,
     mut change: impl FnMut(u64, &mut TickInput),
@@ -141,8 +141,8 @@ fn a_healthy_flight_is_calibrated_latched_and_trusted() {
     assert!((latch.duration_s - 28.0).abs() < 0.01);
     for (sensor, bias_m) in latch.sensors.iter().zip(BIASES_M) {
         assert!((sensor.bias_m - bias_m).powi(2) < 16.0 * sensor.bias_variance_m2, "{sensor:?} {bias_m}");
-        // The residual is the sensor's unit noise and the reference's of 2 m: sqrt(5), by 1,400
-        // readings of 140 fixes.
+        // The residual is the sensor's unit noise and the reference's of 2 m: sqrt(5), from 1,400 readings of
+        // 140 fixes.
         assert!((sensor.residual_sigma_m() - 5.0_f32.sqrt()).abs() < 4.0 * 2.2 / 16.7, "{sensor:?}");
         assert_eq!(sensor.readings, 1_400);
     }
@@ -208,7 +208,7 @@ fn numbers_that_are_not_finite_are_refused_counted_and_degrade_the_calibration()
         assert_eq!(counters.gps.not_finite, 1);
         assert_eq!(counters.signals_not_finite, 1);
         assert_eq!(failed(&mission), ["inputs_valid"]);
-        // They came beside the good readings, and left no trace in the estimate.
+        // They came in addition to the good readings and left no trace in the estimate.
         let biases = |mission: &Dense| mission.latch().unwrap().sensors.map(|sensor| sensor.bias_m);
         assert_eq!(biases(&mission), biases(&healthy));
     }
@@ -292,7 +292,7 @@ fn a_reference_lost_in_captive_flight_is_a_failed_check() {
     assert!((latch.sensors[2].bias_m - biases[2]).abs() < 4.0 * latch.sensors[2].bias_variance_m2.sqrt());
 }
 
-/// A receiver that has not yet spoken is not one that was lost, although the altitude is known without it.
+/// A receiver that has not reported yet is not lost, although the altitude is known without it.
 #[test]
 fn a_reference_that_comes_late_was_not_lost() {
     let mut knowing = config(true);
@@ -314,7 +314,7 @@ fn a_launch_too_early_is_latched_as_what_it_is() {
         assert!(failed(&mission).contains(&expected), "{:?}", failed(&mission));
         assert_eq!(mission.latch().unwrap().time_us, launch_us);
     }
-    // In the first tick of all: nothing was ever measured, so nothing can be watched.
+    // In the very first tick: nothing was ever measured, so nothing can be monitored.
     let mut trust = None;
     let mission = fly::<0, 4, 0>(
         &config(true),
@@ -364,8 +364,8 @@ fn an_error_after_launch_is_flagged_and_a_correction_takes_it_off() {
         }
         assert_ne!(output.sensors[1].trust, Trust::Doubtful);
     });
-    // 3 m/s against a bound of 4 sqrt(5) = 8.9 m: reached after 3 s, sooner by the noise (at most
-    // 5.2 m, uniform); the average half a window later, at the latest.
+    // 3 m/s against an alarm limit of 4 sqrt(5) = 8.9 m: reached after 3 s, earlier with the noise (at most
+    // 5.2 m, uniform); by the average half a window later, at the latest.
     let [doubtful, untrustworthy] = times.map(Option::unwrap);
     assert!((1.2..3.3).contains(&doubtful), "{doubtful}");
     assert!(untrustworthy > doubtful && (3.2..4.6).contains(&untrustworthy), "{untrustworthy}");
@@ -382,7 +382,7 @@ fn an_error_after_launch_is_flagged_and_a_correction_takes_it_off() {
 
 #[test]
 fn a_known_effect_is_taken_off_and_an_estimated_one_is_a_state() {
-    // 60 m/s captive, 90 m/s free: the port reads a tenth of the dynamic pressure.
+    // 60 m/s captive, 90 m/s free: the port error is a tenth of the dynamic pressure.
     let faster = |k: u64, input: &mut TickInput| {
         let speed = if k < 6_000 { 60.0 } else { 90.0 };
         input.signals.true_airspeed_mps = Some(speed);
@@ -403,7 +403,7 @@ fn a_known_effect_is_taken_off_and_an_estimated_one_is_a_state() {
     known.constant_effects.push(EffectTerm::new(EffectId::BaroDynamicPressure, 0.1, 0.01)).unwrap();
     assert!(error_end(&known).abs() < 5.0 * 0.7);
 
-    // As a state it is latched at its prior (a trimmed flight cannot show it) and used from there.
+    // As a state it is latched at its prior (a trimmed flight cannot show it) and used from then on.
     let mut estimated = config::<1>(true);
     estimated.estimated_effects[0].coefficient = 0.1;
     estimated.estimated_effects[0].sigma = 0.01;
@@ -455,8 +455,8 @@ fn an_error_that_keeps_its_sign_is_worth_less_but_no_larger() {
     assert!((white / (4.0 / 140.0 + 1.0 / 1_400.0) - 1.0).abs() < 0.05, "{white}");
     // NIS of uniform noise: mean 1, variance 0.8; 1,250 readings.
     assert!((nis - 1.0).abs() < 5.0 * (0.8_f32 / 1_250.0).sqrt(), "{nis}");
-    // Correlated over 1 s: a fix every 0.2 s counts as one with 2 tau / dt = 10 times the variance;
-    // the first in full, which at 0.286 against 4 is 7 %.
+    // Correlated over 1 s: a fix every 0.2 s counts as one with 2 tau / dt = 10 times the variance; the first
+    // in full, which at 0.286 against 4 is 7 %.
     let mut correlated = config(false);
     correlated.reference.correlation_time_s = 1.0;
     let (variance, nis) = variance_and_nis(&correlated);
@@ -465,7 +465,7 @@ fn an_error_that_keeps_its_sign_is_worth_less_but_no_larger() {
     let mut correlated = config(false);
     correlated.sensors[2].correlation_time_s = 1.0;
     let (_, nis) = variance_and_nis(&correlated);
-    // The barometer is weighted with R = 100, but an innovation of it is judged by its own 1.
+    // The barometer is weighted with R = 100, but its innovation is judged by its own 1.
     assert!((nis - 1.0).abs() < 0.2, "{nis}");
 }
 
@@ -474,8 +474,8 @@ fn the_noise_floor_keeps_a_bias_from_becoming_too_sure() {
     let mut wandering = config(false);
     wandering.sensors[2].wander_m_per_sqrt_s = 0.5;
     let (variance, _) = variance_and_nis(&wandering);
-    // Steady state of a random walk seen through white noise of density r: sqrt(q r), with
-    // r = 4 * 0.2 s of the fixes (the altitude itself is claimed constant, so less of it counts).
+    // Steady state of a random walk seen through white noise of density r: sqrt(q r), with r = 4 * 0.2 s of
+    // the fixes (the altitude itself is claimed constant, so less of it counts).
     assert!((0.05..0.5).contains(&variance), "{variance}");
     assert!(variance > 1.5 * variance_and_nis(&config(false)).0);
 }
@@ -493,14 +493,14 @@ fn the_climb_rates_error_bounds_what_is_known_of_the_altitude() {
         },
     );
     // Steady state of a random walk of 2 sigma^2 tau = 0.16 m^2/s seen through the calibrated sensors,
-    // variances 4, 4 and 1 m^2 every 0.02 s: sqrt(0.16 * 0.02 / 1.5) = 0.046. What the biases have in
-    // common is known by 140 fixes of 4 m^2 only: 0.029 more.
+    // variances 4, 4 and 1 m^2 every 0.02 s: sqrt(0.16 * 0.02 / 1.5) = 0.046. The biases' common part is
+    // known from 140 fixes of 4 m^2 only: 0.029 more.
     assert!((variance / (0.046 + 0.029) - 1.0).abs() < 0.15, "{variance}");
 }
 
 #[test]
 fn a_reference_that_is_still_converging_is_noticed() {
-    // Cold start: the altitude falls in by 15 m over a time constant of 20 s, Doppler does not.
+    // Cold start: the altitude converges by 15 m with a time constant of 20 s, Doppler does not.
     let mission = fly::<0, 4, 0>(
         &config(true),
         |k, input| {
@@ -615,8 +615,8 @@ fn a_drift_within_the_sigmas_that_are_allowed_it_is_none() {
         (failed(&mission).contains(&"biases_stationary"), sigma_m)
     };
     let (is_drift, sigma_m) = drifting(1.0);
-    // A ramp of 9 m alone has a spread of 9 / sqrt(12) m, so it is at most 3.5 of its sigmas; noise makes it
-    // fewer.
+    // A ramp of 9 m alone has a spread of 9 / sqrt(12) m, so it is at most 3.5 of its sigmas; noise reduces
+    // the number.
     assert!(is_drift && sigma_m > DRIFT_M / 12f32.sqrt(), "{sigma_m}");
     assert!(drifting(0.8 * DRIFT_M / sigma_m).0);
     assert!(!drifting(1.2 * DRIFT_M / sigma_m).0);

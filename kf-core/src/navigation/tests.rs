@@ -1,4 +1,4 @@
-//! Whose altitude the mission gets, and what the channel is shown.
+//! Which altitude the mission gets, and which fixes the channel gets.
 
 use super::*;
 use crate::input::ImuSample;
@@ -6,14 +6,14 @@ use crate::input::ImuSample;
 const TICK_US: u64 = 5_000;
 const G: f32 = 9.806_65;
 
-/// At rest at 1,000 m, an inertial sample a tick, a fix ten times a second.
+/// At rest at 1,000 m, an inertial sample each tick, a fix ten times a second.
 fn tick(k: u64) -> TickInput {
     let imu = Some(ImuSample { accel_mps2: [0.0, 0.0, -G], gyro_radps: [0.0; 3] });
     let fix = |k: u64| GpsFix { altitude_m: 1_000.0, fix_time_us: Some(k), ..GpsFix::default() };
     TickInput { time_us: k * TICK_US, imu, gps: k.is_multiple_of(20).then(|| fix(k)), ..TickInput::default() }
 }
 
-/// Flies so many seconds; the altitudes that the mission would get, with their ticks.
+/// Flies for so many seconds; returns the altitudes that the mission would get, with their ticks.
 fn fly(seconds: u64, change: impl Fn(u64, &mut TickInput)) -> (InertialAltitude, Vec<(u64, f32)>) {
     let mut navigation = InertialAltitude::new(Config::MEMS);
     let mut said = Vec::new();
@@ -66,7 +66,7 @@ fn one_that_comes_after_the_channel_spoke_is_counted_and_not_used() {
     assert_eq!(navigation.counts().outside_ignored, 6_001);
 }
 
-/// From the first suspicion on the reference may say what it likes; a suspicion that was none ends.
+/// From the first suspicion on the reference has no effect; a withdrawn suspicion ends this.
 #[test]
 fn what_comes_after_the_first_edge_moves_nothing() {
     let moved = |from: u64, to: u64| {
@@ -82,7 +82,7 @@ fn what_comes_after_the_first_edge_moves_nothing() {
     });
     let later = fly(60, |k, input| {
         moved(8_000, 12_001)(k, input);
-        // Falls back, as a wire may: it is a launch all the same.
+        // Falls back, as a wire may: it is still a launch.
         input.launch = k == 8_600;
         if (8_000..8_600).contains(&k) {
             input.launch_doubt = LaunchDoubt::Suspected;
@@ -107,7 +107,7 @@ fn what_comes_after_the_first_edge_moves_nothing() {
     assert!((tied.1.last().unwrap().1 - 1_100.0).abs() < 0.5, "{:?}", tied.1.last());
 }
 
-/// A receiver that holds its last fix has measured once.
+/// A receiver that holds its last fix has measured only once.
 #[test]
 fn a_held_fix_is_one_and_a_bad_one_is_counted() {
     let (navigation, said) = fly(60, |k, input| {
@@ -128,9 +128,9 @@ fn a_held_fix_is_one_and_a_bad_one_is_counted() {
     assert_eq!(navigation.counts().fixes_refused, 2);
 }
 
-/// A unit that reads free fall under the pylon: nothing it makes of that is there to calibrate with. Once it
-/// has contradicted the fixes' climb rates for longer than a transient lasts it is tied to them anew, and
-/// right again before the launch.
+/// A unit that reads free fall in captive flight: none of its altitudes may be calibrated. Once it has
+/// contradicted the fixes' climb rates for longer than a transient lasts, it is tied to them again, and is
+/// right before the launch.
 #[test]
 fn a_unit_that_falls_by_itself_says_nothing_until_it_is_tied_anew() {
     let (_, said) = fly(60, |k, input| {
@@ -142,7 +142,7 @@ fn a_unit_that_falls_by_itself_says_nothing_until_it_is_tied_anew() {
         }
         input.launch = k >= 9_400;
     });
-    // What the tie has made of the fall, 0.02 m/s^2, is 1.7 m at the end of free flight.
+    // The error that the tie has learned from the fall, 0.02 m/s^2, is 1.7 m at the end of free flight.
     let limit_m = |k| if k < 9_400 { 1.0 } else { 2.5 };
     assert!(said.iter().all(|(k, altitude_m)| (altitude_m - 1_000.0).abs() < limit_m(*k)), "{said:?}");
     let before = said.iter().rfind(|(k, _)| *k < 8_400).unwrap();
@@ -151,7 +151,7 @@ fn a_unit_that_falls_by_itself_says_nothing_until_it_is_tied_anew() {
     assert!(said.iter().any(|(k, _)| *k >= 10_000));
 }
 
-/// The same while the tie has only begun: what it has made of the fall is no accelerometer's bias.
+/// The same while the tie has only begun: what it has learned from the fall is no accelerometer bias.
 #[test]
 fn a_unit_that_falls_while_it_aligns_begins_anew() {
     let (navigation, said) = fly(60, |k, input| {
@@ -167,7 +167,7 @@ fn a_unit_that_falls_while_it_aligns_begins_anew() {
     assert!(navigation.channel().lacking_acceleration_mps2().abs() < 0.02);
 }
 
-/// A receiver whose climb rate is wrong for a second ties nothing anew.
+/// A receiver whose climb rate is wrong for a second causes no new tie.
 #[test]
 fn a_climb_rate_that_is_wrong_for_a_second_costs_that_second() {
     let (_, said) = fly(60, |k, input| {
@@ -180,8 +180,8 @@ fn a_climb_rate_that_is_wrong_for_a_second_costs_that_second() {
     assert!((180..230).contains(&gap), "{gap}");
 }
 
-/// A unit that has stood still: level and altitude are found anew. An ideal one that rests repeats itself
-/// too, as long as its velocities agree.
+/// A unit that has stopped: level and altitude are found again. An ideal one at rest also repeats itself, as
+/// long as its velocities agree.
 #[test]
 fn a_unit_that_stood_still_begins_anew() {
     let first_after = |has_noise: bool, turns: bool| {
@@ -207,8 +207,8 @@ fn a_unit_that_stood_still_begins_anew() {
     }
 }
 
-/// A unit that repeats itself for 0.45 s in a release of 0.4 g costs 2 m/s, which no altitude has taken out
-/// before the first of the fixes' climb rates is asked.
+/// A unit that repeats itself for 0.45 s in a release of 0.4 g costs 2 m/s, which no altitude can remove
+/// before the first climb rate of a fix is taken.
 #[test]
 fn a_part_of_the_release_that_nobody_measured_is_mended_by_the_climb_rates() {
     let released_s = 40.0;

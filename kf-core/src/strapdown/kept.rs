@@ -1,4 +1,4 @@
-//! What a channel in free flight keeps over a restart of the flight computer.
+//! State of a channel in free flight that is kept over a restart of the flight computer.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,8 +7,8 @@ use super::tie::Tie;
 use super::vector::{Down, Vector};
 use super::{Config, Last, Phase, VerticalChannel};
 
-/// A channel in free flight, or held for a launch that is suspected: all that its next sample goes on from.
-/// Body axes, SI units.
+/// A channel in free flight, or held for a suspected launch: everything that its next sample needs. Body
+/// axes, SI units.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptChannel {
     time_us: u64,
@@ -27,7 +27,7 @@ pub struct KeptChannel {
 }
 
 impl KeptChannel {
-    /// Whether every number is one; a copy that is damaged passes its check once in four billion times.
+    /// Whether every number is finite; a damaged copy passes its checksum once in four billion times.
     fn is_finite(&self) -> bool {
         let vectors = [self.force, self.rate, self.down, self.gyro_bias, self.accel_bias];
         let sums = [self.altitude.value(), self.climb_rate.value()];
@@ -40,8 +40,8 @@ impl KeptChannel {
 }
 
 impl VerticalChannel {
-    /// What is to be kept: `None` in captive flight, where a restart begins anew, and where there is no
-    /// altitude to keep.
+    /// State to be stored: `None` in captive flight, where a restart begins again, and if there is no
+    /// altitude.
     #[must_use]
     pub fn kept(&self) -> Option<KeptChannel> {
         let Phase::Free { accel_bias, aligned: true } = self.phase else { return None };
@@ -63,8 +63,8 @@ impl VerticalChannel {
         })
     }
 
-    /// The channel as it was kept. `unknown_s` is how much longer than the clock has it the gap until the
-    /// next sample may be, seconds. `None` if a number is none.
+    /// Restores a stored channel. `unknown_s`: how much longer than the clock shows the gap until the next
+    /// sample may be, seconds. `None` if a number is not finite.
     #[must_use]
     pub fn resumed(config: Config, kept: &KeptChannel, unknown_s: f32) -> Option<Self> {
         if !kept.is_finite() {
@@ -86,8 +86,8 @@ impl VerticalChannel {
         channel.tie_time_us = kept.tie_time_us;
         channel.bridged_m2ps2 = kept.bridged_m2ps2;
         channel.is_mending = kept.is_mending;
-        // Where the next sample leaves no gap, nothing else asks for a climb rate before an altitude has the
-        // last word.
+        // If the next sample leaves no gap, nothing else requests a climb rate before an altitude ends the
+        // mending.
         channel.climb_fix_us = kept.is_mending.then_some(kept.tie_time_us);
         channel.is_resumed = true;
         channel.unknown_s = unknown_s;

@@ -1,34 +1,34 @@
-//! Level alignment: where down is, and what the gyro reads at rest, from the accelerometer in trimmed flight.
+//! Level alignment: the direction of down and the gyro's bias, from the accelerometer in trimmed flight.
 //!
-//! Over a time in which the aircraft neither speeds up nor turns, specific force is minus gravity, so its
-//! mean is the vertical (Titterton and Weston, section 10.3). Attitude is kept by the gyro meanwhile; what is
-//! fitted is its error, a straight line in time: the tilt at its start and the gyro's bias. So the mean is
-//! taken in axes that do not move with gusts, and what comes out is the attitude now.
+//! Over a time in which the aircraft neither changes speed nor turns, specific force is minus gravity, so its
+//! mean is the vertical (Titterton and Weston, section 10.3). Meanwhile the gyro carries the attitude. Its
+//! error is fitted with a straight line in time: the tilt at the start and the gyro's bias. So the mean is
+//! taken in axes that do not move with gusts, and the result is the present attitude.
 
 use super::memory::Memory;
 use super::sum::Sum;
 use super::vector::{Down, Vector, cross, dot};
 use super::{Config, GRAVITY_MPS2};
 
-/// Time constant of the two measures of trim, seconds: vibration and most gusts are faster, a turn is noticed
-/// before it has pulled at the level.
+/// Time constant of the two measures of trim, seconds: slower than vibration and most gusts, and fast enough
+/// to detect a turn before it pulls at the level.
 const TRIM_TIME_CONSTANT_S: f32 = 1.0;
 
-/// A line over less than this (seconds) says less of the gyro's bias than what is known of any unit (0.02
-/// rad/s): gusts and vibration move what specific force shows by 0.03 rad within it. By what it makes of it
-/// the flight seems to turn, and a fit that therefore takes no more samples stays there. So until then it is
-/// the gyro alone that says whether the flight turns.
+/// A line over less than this (seconds) says less about the gyro's bias than is known of any unit (0.02
+/// rad/s): within it gusts and vibration move the vertical of the specific force by 0.03 rad. With such a
+/// bias the flight seems to turn, and a fit that therefore takes no more samples stays there. So until then
+/// only the gyro decides whether the flight turns.
 const LEAST_LINE_S: f32 = 3.0;
 
-/// Two shaken samples make a bias of 20 rad/s, by which the axes turn further than small angles do. Over less
-/// than this (seconds) the fit is a mean.
+/// Two shaken samples give a bias of 20 rad/s, which turns the axes further than small angles. Over less than
+/// this (seconds) the fit is a mean.
 const LEAST_SLOPE_S: f32 = 0.2;
 
-/// A fit of less than [`super::COARSE_LEVEL_S`] that finds the flight untrimmed for so long (seconds) is
-/// wrong itself: of a gust's first samples it makes a gyro's bias that every flight turns by.
+/// If a fit of less than [`super::COARSE_LEVEL_S`] finds the flight untrimmed for this long (seconds), the
+/// fit itself is wrong: a gust's first samples gave it a gyro bias by which every flight turns.
 const LONGEST_UNTRIMMED_S: f32 = 10.0;
 
-/// A single sample of more than twice gravity is a jolt, and shows no vertical.
+/// A single sample of more than twice gravity is a jolt and does not show the vertical.
 const SPIKE: f32 = 3.0;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,7 +38,7 @@ pub(super) struct Levelling {
     turn_radps: f32,
     /// Specific force squared over gravity squared, less 1.
     excess_load: f32,
-    /// Since the last sample that was taken.
+    /// Time since the last sample taken, seconds.
     untrimmed_s: f32,
 }
 
@@ -51,18 +51,17 @@ impl Levelling {
         self.memory.elapsed_s()
     }
 
-    /// Whether the fit has shut itself out.
+    /// Whether the fit excludes all further samples.
     pub(super) fn is_stuck(&self) -> bool {
         self.untrimmed_s > LONGEST_UNTRIMMED_S && self.elapsed_s() < super::COARSE_LEVEL_S
     }
 
-    /// Passes over a sample while something better levels: a later fit counts from here as if it had been in
-    /// it.
+    /// Skips a sample while velocities level the channel: a later fit counts it as if it had been included.
     pub(super) fn pass(&mut self, step_s: f32, config: &Config) {
         self.memory.count(step_s, config.level_window_s);
     }
 
-    /// Takes a sample into the fit; whether the flight was trimmed, without which it is not.
+    /// Takes a sample into the fit if the flight is trimmed; returns whether it is.
     pub(super) fn take(
         &mut self,
         down: &mut Down,
@@ -74,8 +73,8 @@ impl Levelling {
         let vertical = down.get();
         let bias = self.gyro_bias_radps();
         let turn = dot(rate, vertical) - dot(bias, vertical);
-        // Of a gap there is one sample, which shows no more than any other: what it shakes by would be half
-        // of the mean.
+        // A gap has one sample, which shows no more than any other: weighted in full, its vibration would be
+        // half of the mean.
         let smoothed_s = step_s.min(super::LONGEST_INTERVAL_S);
         let smoothing = smoothed_s / (TRIM_TIME_CONSTANT_S + smoothed_s);
         let shown = if self.elapsed_s() < LEAST_LINE_S { dot(rate, vertical) } else { turn };
@@ -95,10 +94,10 @@ impl Levelling {
         } else {
             self.memory.line_gains(step_s)
         };
-        // The rotation that would bring `down` to where the accelerometer sees it; small.
+        // The small rotation that would bring `down` to the accelerometer's vertical.
         let error = cross(vertical, force.map(|part| -part / GRAVITY_MPS2));
         down.rotate(error.map(|part| part * value));
-        // A bias about the vertical makes no error of tilt: straight flight has no turn, so it is the mean.
+        // A bias about the vertical causes no tilt error: straight flight does not turn, so it is the mean.
         let heading = self.memory.mean_gain() * turn;
         for axis in 0..3 {
             self.gyro_bias[axis].add(slope * error[axis] + heading * vertical[axis]);

@@ -1,9 +1,9 @@
-//! Recursive least squares of a polynomial in time: each sample counts alike until a window is full, and
-//! older ones fade from then on (P. Zarchan and H. Musoff, "Fundamentals of Kalman Filtering", 3rd edition,
+//! Recursive least squares of a polynomial in time: all samples have equal weight until a window is full;
+//! from then on older ones fade (P. Zarchan and H. Musoff, "Fundamentals of Kalman Filtering", 3rd edition,
 //! AIAA 2009, sections 3.3 and 3.4; N. Morrison, "Introduction to Sequential Smoothing and Prediction",
 //! McGraw-Hill 1969).
 
-/// How many samples the next gains stand for.
+/// Number of samples that the next gains represent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Memory {
     samples: u32,
@@ -11,7 +11,7 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    /// Takes note of a sample `step_s` after the last one.
+    /// Counts a sample `step_s` after the last one.
     pub(super) fn count(&mut self, step_s: f32, window_s: f32) {
         if self.samples == 0 || self.elapsed_s < window_s {
             self.elapsed_s += if self.samples == 0 { 0.0 } else { step_s };
@@ -32,13 +32,13 @@ impl Memory {
         self.samples.max(1) as f32
     }
 
-    /// Of a mean.
+    /// Gain of a mean.
     pub(super) fn mean_gain(self) -> f32 {
         1.0 / self.n()
     }
 
-    /// Of a straight line: value, slope (1/s). Per step of the window's mean: two samples that are close to
-    /// each other say nothing of a slope.
+    /// Gains of a straight line: value, slope (1/s). Per mean step of the window: two samples that are close
+    /// together give no information about a slope.
     pub(super) fn line_gains(self, step_s: f32) -> [f32; 2] {
         let n = self.n();
         let step_s = if self.samples > 1 { self.elapsed_s / (n - 1.0) } else { step_s };
@@ -46,7 +46,7 @@ impl Memory {
         [2.0 * (2.0 * n - 1.0) / scale, 6.0 / (scale * step_s)]
     }
 
-    /// Of a parabola: value, slope (1/s), second derivative (1/s^2).
+    /// Gains of a parabola: value, slope (1/s), second derivative (1/s^2).
     pub(super) fn parabola_gains(self, step_s: f32) -> [f32; 3] {
         let n = self.n();
         let scale = n * (n + 1.0) * (n + 2.0);
@@ -93,7 +93,7 @@ mod tests {
         }
     }
 
-    /// A parabola through three points or fewer meets the last of them, whatever they are.
+    /// A parabola through three points or fewer passes through the last of them, whatever they are.
     #[test]
     fn the_first_three_samples_are_met() {
         let samples = [3.0, -1.0, 7.0];
@@ -103,7 +103,7 @@ mod tests {
         }
     }
 
-    /// Of anything else it is the least-squares parabola: the residuals are orthogonal to 1, t and t^2.
+    /// Otherwise it is the least-squares parabola: the residuals are orthogonal to 1, t and t^2.
     #[test]
     fn the_fit_is_least_squares() {
         let step_s = 0.1;

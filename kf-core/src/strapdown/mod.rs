@@ -1,43 +1,42 @@
 //! The strapdown vertical channel: climb rate and altitude from an accelerometer and a gyro.
 //!
 //! Frames: body forward-right-down, specific force in m/s^2, rates in rad/s; altitude and climb rate positive
-//! up. Flat earth, standard gravity: what that leaves out (gravity's gradient, Eotvos) are effects of the
-//! catalogue, and a constant error of gravity is taken for a bias of the accelerometer.
+//! up. Flat earth, standard gravity: the omitted terms (gravity's gradient, Eotvos) are effects of the
+//! catalogue, and a constant error of gravity counts as a bias of the accelerometer.
 //!
 //! # Captive flight
-//! [`VerticalChannel::inertial`] levels the channel and finds the gyro's bias: against the velocities of
-//! [`VerticalChannel::velocity`] where there are any (`velocity_match`), else on specific force alone
-//! (`levelling`), which takes the phugoid and gusts for tilts. [`VerticalChannel::reference`] ties altitude
-//! and climb rate to the reference and finds the accelerometer's bias along the vertical (`tie`: a Kalman
-//! filter, so that gaps and bursts of fixes weigh what they are worth). The levelling is a least-squares fit
-//! over a window (`memory`). The vertical channel itself has no use for a heading.
+//! [`VerticalChannel::inertial`] levels the channel and finds the gyro's bias: from the velocities of
+//! [`VerticalChannel::velocity`] if there are any (`velocity_match`), otherwise from specific force alone
+//! (`levelling`), which mistakes the phugoid and gusts for tilts. [`VerticalChannel::reference`] ties
+//! altitude and climb rate to the reference and finds the accelerometer's bias along the vertical (`tie`: a
+//! Kalman filter, so that fixes after gaps and in bursts have the right weight). The levelling is a
+//! least-squares fit over a window (`memory`). The vertical channel itself does not need a heading.
 //!
-//! The altitude is published while the tie's climb rate is known to 1 m/s: not for ever through an outage of
-//! the receiver.
+//! The altitude is published while the tie's climb rate is known to 1 m/s, so a long outage of the receiver
+//! ends it.
 //!
 //! A unit that has shown noise and then repeats itself on all axes for longer than [`Config::longest_gap_s`]
-//! has stopped: there is no altitude meanwhile, and the alignment starts anew when it reads something else.
-//! One that never had noise is an ideal one that rests, unless velocities contradict that.
+//! has stopped: there is no altitude meanwhile, and the alignment starts again when the readings change. A
+//! unit that never had noise is an ideal one at rest, unless velocities contradict that.
 //!
-//! [`VerticalChannel::hold`] stops the alignment while a launch is suspected,
-//! [`VerticalChannel::resume_captive`] goes on with it.
+//! [`VerticalChannel::hold`] stops the alignment while a launch is suspected;
+//! [`VerticalChannel::resume_captive`] continues it.
 //!
 //! # Free flight
-//! After [`VerticalChannel::launch`] nothing but the inertial samples moves the channel. Its errors then grow
-//! as theory has it (Titterton and Weston, section 12.3): a wrong climb rate with t, a wrong accelerometer
-//! bias with t^2/2, a tilt with the double integral of horizontal acceleration, a gyro bias with that of t
-//! times it.
+//! After [`VerticalChannel::launch`] only the inertial samples move the channel. Its errors then grow as in
+//! theory (Titterton and Weston, section 12.3): a wrong climb rate with t, a wrong accelerometer bias with
+//! t^2/2, a tilt with the double integral of horizontal acceleration, a gyro bias with that of t times it.
 //!
-//! A gap between inertial samples of up to [`Config::longest_gap_s`] is bridged on a straight line, counted,
-//! put into the uncertainty, and mended if it has cost too much (`bridge`). After a longer gap there is no
-//! altitude any more. A restart of the flight computer is a gap, too ([`VerticalChannel::resumed`]).
+//! A gap between inertial samples of up to [`Config::longest_gap_s`] is bridged by a straight line, counted,
+//! added to the uncertainty, and mended if it has cost too much (`bridge`). After a longer gap there is no
+//! altitude any more. A restart of the flight computer is also a gap ([`VerticalChannel::resumed`]).
 //!
 //! # Method
 //! Attitude: the vertical row of the direction cosine matrix, turned by the rotation vector of each interval
 //! with the coning of two rates that change linearly (J. E. Bortz, "A new mathematical formulation for
 //! strapdown inertial navigation", IEEE Transactions AES-7, 1971; P. G. Savage, "Strapdown Inertial
 //! Navigation Integration Algorithm Design, Part 1", J. Guidance 21, 1998). Velocity and altitude: vertical
-//! acceleration taken as linear over each interval. Sums are compensated.
+//! acceleration is taken as linear over each interval. Sums are compensated.
 
 mod bridge;
 mod kept;
@@ -65,58 +64,60 @@ use velocity_match::VelocityMatch;
 pub use crate::atmosphere::STANDARD_GRAVITY_MPS2 as GRAVITY_MPS2;
 pub use kept::KeptChannel;
 
-/// Beyond these a reading is no reading: every sum below stays finite for hours of them.
+/// Readings beyond these are invalid: with this limit every sum below stays finite for hours.
 const MAXIMUM_FORCE_MPS2: f32 = 1_000.0;
 const MAXIMUM_RATE_RADPS: f32 = 100.0;
 const MAXIMUM_ALTITUDE_M: f32 = 100_000.0;
 const MAXIMUM_SPEED_MPS: f32 = 1_000.0;
-/// Levelling on specific force before velocities are matched, seconds: twice as long each time that they have
-/// contradicted the level soon, up to the levelling's window. A receiver whose velocities are worse than
-/// assumed would else keep the channel from ever being aligned.
+/// Time of levelling on specific force before velocities are matched, seconds. It doubles each time that
+/// velocities soon contradict the level, up to the levelling's window. Otherwise a receiver with worse
+/// velocities than assumed would prevent the alignment for ever.
 const COARSE_LEVEL_S: f32 = 5.0;
 const CONTRADICTIONS: u8 = 5;
-/// Variance of the acceleration that is lacking once the level was disturbed, (m/s^2)^2: of a tilt of 0.1
-/// rad.
+/// Variance of the lacking acceleration after a disturbance of the level, (m/s^2)^2: from a tilt of 0.1 rad.
 const DISTURBED_M2PS4: f32 = 2.5e-3;
-/// Fixes that are outliers for so long (seconds), and are so many, have the last word: a receiver's jump that
-/// is a fault ends sooner, and two outliers may lie on both sides of an outage.
+/// Number and duration (seconds) of outliers after which they are right: a receiver's faulty jump ends
+/// sooner, and two outliers may lie on both sides of an outage.
 const OUTLIERS: u8 = 5;
 const LONGEST_OUTLIER_S: f32 = 10.0;
-/// Variance of the climb rate above which the altitude is not aligned, (m/s)^2: 1.6 m/s, which a gap of 1.1 s
-/// costs. After 20 s of fixes it is 0.2 m/s; an outage of the receiver brings it there in two minutes.
+/// Variance of the climb rate above which the altitude is not aligned, (m/s)^2: 1.6 m/s, the cost of a gap of
+/// 1.1 s. After 20 s of fixes it is 0.2 m/s; an outage of the receiver raises it to this limit in two
+/// minutes.
 const ALIGNED_M2PS2: f32 = 2.5;
-/// Longest time between two samples that is no gap, seconds: less than 50 samples a second do not follow an
-/// aircraft.
+/// Longest time between two samples that is not a gap, seconds: less than 50 samples a second cannot follow
+/// an aircraft.
 const LONGEST_INTERVAL_S: f32 = 0.03;
-/// Without [`Guard::InertialBridge`], seconds.
+/// Longest gap without [`Guard::InertialBridge`], seconds.
 const UNGUARDED_GAP_S: f32 = 0.1;
-/// Longest time that the tie's covariance is carried on in one step, seconds.
+/// Longest time that the tie's covariance is propagated in one step, seconds.
 const LONGEST_PASS_S: f32 = 1.5;
-/// Largest turn between two samples, rad: two rates no longer say how the body moved, and the series end.
+/// Largest turn between two samples, rad: beyond it two rates no longer describe the motion, and the series
+/// end.
 const LONGEST_ANGLE_RAD: f32 = 1.0;
 
 /// Windows and limits of the alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
-    /// Window of the levelling, seconds: long beside the phugoid, short beside the wander of a gyro's bias.
+    /// Window of the levelling, seconds: long compared with the phugoid, short compared with the wander of a
+    /// gyro's bias.
     pub level_window_s: f32,
     /// Window of the tie to the reference, seconds.
     pub anchor_window_s: f32,
-    /// Alignment, of level and altitude both, that must be there before the channel says anything, seconds.
+    /// Least time of alignment, of both level and altitude, before the channel gives an altitude, seconds.
     pub minimum_s: f32,
-    /// Longest time between two inertial samples that is bridged on a straight line, seconds.
+    /// Longest time between two inertial samples that is bridged by a straight line, seconds.
     pub longest_gap_s: f32,
     /// Turn rate, smoothed over 1 s, above which flight is not trimmed, rad/s. It must be well above the
-    /// gyro's bias and the gusts', or the mean is one-sided. A slower turn is taken for straight: at V m/s
-    /// its bank, and so the tilt, is V/g times its rate.
+    /// gyro's bias and the gusts' rates, or the mean is one-sided. A slower turn is taken for straight
+    /// flight: at V m/s its bank, and therefore the tilt, is V/g times its rate.
     pub turn_limit_radps: f32,
-    /// Square of the load factor less 1, smoothed likewise, beyond which flight is not trimmed.
+    /// Square of the load factor less 1, smoothed in the same way, beyond which flight is not trimmed.
     pub load_limit: f32,
 }
 
 impl Config {
-    /// For a MEMS unit: a gyro's bias of 0.5 deg/s is 0.009 rad/s. A transient of a second, the reset after
-    /// it (0.105 s) and what the newest snapshot may be behind at a restart (0.1 s) are bridged.
+    /// For a MEMS unit: a gyro's bias of 0.5 deg/s is 0.009 rad/s. These are bridged: a transient of a
+    /// second, the reset after it (0.105 s) and the largest age of the newest snapshot at a restart (0.1 s).
     pub const MEMS: Self = Self {
         level_window_s: 120.0,
         anchor_window_s: 60.0,
@@ -127,39 +128,38 @@ impl Config {
     };
 }
 
-/// Why a sample was refused. But for a lost channel, the channel is as it was.
+/// Why a sample was refused. The channel is unchanged, unless it was lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrapdownError {
     /// A sample is NaN or infinite.
     NotFinite,
-    /// A sample is beyond what any unit of this class reads (100 g, 100 rad/s), or than any aircraft flies
-    /// (100 km).
+    /// A sample is beyond the range of any unit of this class (100 g, 100 rad/s) or of any aircraft (100 km).
     Implausible,
     /// Time has not increased.
     OutOfOrder,
     /// A change since the last sample that no aircraft makes, for at most a second; or a turn of more than a
     /// radian between the two.
     Spike,
-    /// More than the longest gap lies between two samples: captive, the alignment starts anew; in free
-    /// flight the channel has lost its altitude for good.
+    /// More than the longest gap lies between two samples: in captive flight the alignment starts again; in
+    /// free flight the channel has lost its altitude for good.
     Gap,
     /// In free flight there is no reference, unless a gap is being mended.
     Launched,
-    /// The altitude is off what the channel has by more than its uncertainty explains. After ten seconds of
-    /// such fixes alone, or as long as the tie has lasted if that is less, it begins anew.
+    /// The altitude differs from the channel's by more than its uncertainty explains. After ten seconds of
+    /// such fixes alone, or after the duration of the tie if that is shorter, the tie starts again.
     Outlier,
-    /// There is no inertial sample yet that shows where down is.
+    /// There is no inertial sample yet that shows the direction of down.
     NoVertical,
     /// The channel was lost in a gap.
     Lost,
 }
 
-/// What the channel has counted. All saturate.
+/// Counters of the channel. All saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Inertial samples taken.
     pub samples: u32,
-    /// Of those, captive ones that were kept out of the levelling: the flight was not trimmed.
+    /// Of those, captive ones that were excluded from the levelling: the flight was not trimmed.
     pub untrimmed: u32,
     /// Samples refused.
     pub refused: u32,
@@ -170,7 +170,7 @@ pub struct Counts {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     Captive,
-    /// With the accelerometer's bias found until launch, body axes, m/s^2.
+    /// With the accelerometer's bias as found before launch, body axes, m/s^2.
     Free {
         accel_bias: Vector,
         aligned: bool,
@@ -178,7 +178,7 @@ enum Phase {
     Lost,
 }
 
-/// What the last sample leaves for the next interval.
+/// The part of the last sample that the next interval needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Last {
     time_us: u64,
@@ -196,55 +196,55 @@ pub struct VerticalChannel {
     levelling: Levelling,
     /// Until launch, once there are velocities.
     matching: Option<VelocityMatch>,
-    /// Matches in a row that were soon contradicted.
+    /// Successive matches that were soon contradicted.
     contradictions: u8,
     is_launched: bool,
     last: Option<Last>,
-    /// The time that fixes have covered.
+    /// Time covered by fixes.
     anchor: Memory,
-    /// Of the last fix that was taken.
+    /// Time of the last fix taken.
     anchor_time_us: u64,
     tie: Tie,
-    /// What the tie's covariance is of.
+    /// Time to which the tie's covariance is propagated.
     tie_time_us: u64,
-    /// Variance of the climb rate that bridges have cost and nothing has mended, (m/s)^2.
+    /// Variance of the climb rate from bridged gaps that has not been mended, (m/s)^2.
     bridged_m2ps2: f32,
-    /// In free flight: fixes are taken.
+    /// In free flight: fixes are taken to mend a gap.
     is_mending: bool,
-    /// When it was mended by a climb rate last, or mending began, microseconds.
+    /// When a climb rate last mended it, or mending began, microseconds.
     climb_fix_us: Option<u64>,
     /// Variance of the altitude when mending began, m^2: free flight's own drift.
     drifted_m2: f32,
-    /// How much longer the next gap may be than the clock has it, seconds.
+    /// How much longer the next gap may be than the clock shows, seconds.
     unknown_s: f32,
-    /// Made by [`Self::resumed`]: of the levelling there is only its result.
+    /// Made by [`Self::resumed`]: of the levelling only the result is known.
     is_resumed: bool,
     /// Samples refused in a row because they leapt.
     spikes: u8,
-    /// The first of them leapt under the pylon: what was no movement of a carrier does not become one of the
-    /// vehicle at the release.
+    /// The first of them leapt in captive flight: what was no movement of a carrier does not become one of
+    /// the vehicle at the release.
     is_captive_leap: bool,
-    /// For how long the samples have been the same on all axes, seconds. A unit has noise: one that repeats
-    /// itself says no more than a gap does, and costs as much once it reads something else. For longer than
-    /// the longest gap it has stopped, or is an ideal one that rests.
+    /// How long the samples have been the same on all axes, seconds. A unit has noise: while it repeats
+    /// itself it gives no more information than a gap, and costs as much once the readings change. After
+    /// longer than the longest gap it has stopped, or is an ideal one at rest.
     repeated_s: f32,
-    /// It is no ideal one: three samples in a row have differed, or velocities have contradicted that it
-    /// rests.
+    /// It is not an ideal unit: three samples in a row have differed, or velocities have contradicted that it
+    /// is at rest.
     has_noise: bool,
-    /// In captive flight the last fix that was taken is all that the altitude rests on, and the next may
-    /// contradict it.
+    /// In captive flight the altitude depends on the last fix taken only, and the next one may contradict it.
     is_unconfirmed: bool,
-    /// When the first outlier came since the last fix that was taken, and how many have.
+    /// Time of the first outlier since the last fix taken, and the number of outliers.
     outlying: Option<(u64, u8)>,
     altitude: Sum,
     climb_rate: Sum,
-    /// Upward acceleration that the accelerometer lacks, found against the reference, m/s^2.
+    /// Lacking acceleration: upward acceleration missing from the accelerometer, found with the reference,
+    /// m/s^2.
     lacking_mps2: Sum,
     counts: Counts,
 }
 
 impl VerticalChannel {
-    /// A channel that knows nothing yet, in captive flight.
+    /// A channel without any knowledge yet, in captive flight.
     #[must_use]
     pub fn new(config: Config) -> Self {
         Self {
@@ -319,38 +319,38 @@ impl VerticalChannel {
         let is_coarse = self.levelling.elapsed_s() < self.unmatched_s();
         match &mut self.matching {
             Some(matching) if !matching.is_void(time_us) => matching.reference(time_us, velocity_mps, down),
-            // The match is linear: a level to some hundredths of a radian must be there.
+            // The match is linear: it needs a level to some hundredths of a radian.
             _ if is_coarse => {}
             matching => VelocityMatch::begin(matching, time_us, velocity_mps, down),
         }
         Ok(())
     }
 
-    /// For how long specific force levels before velocities are matched, seconds.
+    /// Time of levelling on specific force before velocities are matched, seconds.
     fn unmatched_s(&self) -> f32 {
         let unmatched_s = COARSE_LEVEL_S * f32::from(1_u8 << self.contradictions.min(CONTRADICTIONS));
         unmatched_s.min(self.config.level_window_s)
     }
 
-    /// From now on the channel is on its own. Calling it again changes nothing.
+    /// From now on only inertial samples move the channel. Calling it again changes nothing.
     pub fn launch(&mut self) {
         self.hold();
         self.matching = None;
         self.is_launched = true;
     }
 
-    /// As [`Self::launch`], until that is said or [`Self::resume_captive`].
+    /// As [`Self::launch`], but provisional: until that is called or [`Self::resume_captive`].
     pub fn hold(&mut self) {
         if self.phase == Phase::Captive {
             if let Some(matching) = &mut self.matching {
                 matching.hold();
             }
-            // Upward is minus down: what lacks upward is a bias that points down along the body's own axes.
+            // Upward is minus down: an upward lack is a bias that points down in body axes.
             let lacking = self.lacking_mps2.value();
             let down = self.down.map_or([0.0; 3], |down| down.get());
             let accel_bias = down.map(|part| part * lacking);
             self.phase = Phase::Free { accel_bias, aligned: self.is_aligned() };
-            // What the reference had no time to mend under the pylon it mends now.
+            // A gap that the reference had no time to mend in captive flight is mended now.
             self.is_mending = self.bridged_m2ps2 > MENDED_BY_CLIMB_M2PS2;
             self.drifted_m2 = self.tie.altitude_m2();
             self.climb_fix_us = self.is_mending.then_some(self.tie_time_us);
@@ -358,8 +358,8 @@ impl VerticalChannel {
         }
     }
 
-    /// It was no launch: the alignment goes on, or starts anew if the channel was lost meanwhile. Nothing
-    /// after [`Self::launch`].
+    /// Withdraws a hold: the alignment continues, or starts again if the channel was lost meanwhile. No
+    /// effect after [`Self::launch`].
     pub fn resume_captive(&mut self) {
         match self.phase {
             Phase::Free { .. } if !self.is_launched && !self.is_resumed => self.phase = Phase::Captive,
@@ -370,8 +370,8 @@ impl VerticalChannel {
         }
     }
 
-    /// Puts what a straight line over a gap between two samples costs into what is known: of so many seconds
-    /// by the clock, and perhaps as many more.
+    /// Adds the cost of a straight line over a gap to the uncertainties: `gap_s` seconds by the clock, and
+    /// possibly `unknown_s` more.
     fn bridge(&mut self, gap_s: f32, unknown_s: f32) {
         self.counts.bridged = self.counts.bridged.saturating_add(1);
         let cost = BridgeCost::of(gap_s + unknown_s);
@@ -382,7 +382,7 @@ impl VerticalChannel {
                 self.drifted_m2 = self.tie.altitude_m2();
             }
             self.is_mending = true;
-            // The first climb rate after it is to be waited for, if there are any.
+            // Wait for the first climb rate after it, if there are any.
             self.climb_fix_us = Some(self.tie_time_us);
         }
         self.tie.add(climbed_m * climbed_m, cost.climb_m2ps2, cost.tilt_rad2);
@@ -391,20 +391,20 @@ impl VerticalChannel {
         }
     }
 
-    /// Whether the unit repeats itself for longer than may be bridged, though it has noise.
+    /// Whether the unit has noise but repeats itself for longer than may be bridged.
     fn stands_still(&self) -> bool {
         self.has_noise && self.repeated_s > self.config.longest_gap_s
     }
 
-    /// Velocities have contradicted the level. One that had agreed with them was moved by something brief:
-    /// samples that were wrong, or the receiver's. It is off by some hundredths of a radian, which is what a
-    /// match begins from, so the next fix begins another one. Of velocities that contradict it at once, the
-    /// match has made a gyro's bias, and nobody knows the level.
+    /// Velocities have contradicted the level. If the match had agreed with them for some time, something
+    /// brief moved it: wrong samples, or wrong fixes. The level is then off by some hundredths of a radian,
+    /// from which a match can start, so the next fix starts another one. If velocities contradict it at once,
+    /// the match has turned their errors into a gyro bias, and the level is unknown.
     #[cold]
     fn contradict(&mut self, has_lasted: bool) {
         if has_lasted {
             self.contradictions = 0;
-            // Nor is what the accelerometer lacks known any better than that.
+            // The lacking acceleration is not known any better than that.
             self.tie.add(0.0, 0.0, DISTURBED_M2PS4);
         } else {
             self.contradictions = (self.contradictions + 1).min(CONTRADICTIONS);
@@ -422,7 +422,7 @@ impl VerticalChannel {
         }
     }
 
-    /// Either takes the whole sample or changes nothing.
+    /// Takes the whole sample, or changes nothing.
     fn advance(&mut self, time_us: u64, sample: &ImuSample) -> Result<(), StrapdownError> {
         let ImuSample { accel_mps2: force, gyro_radps } = *sample;
         if !force.iter().chain(&gyro_radps).all(|part| part.is_finite()) {
@@ -454,8 +454,8 @@ impl VerticalChannel {
         }
         let is_captive = self.phase == Phase::Captive;
         let repeats = force == last.force && gyro_radps == last.rate;
-        // What the vehicle has done while the unit stood still, nobody knows: neither level nor altitude are
-        // what they seem.
+        // It is unknown what the vehicle did while the unit stood still: neither level nor altitude can be
+        // relied on.
         let is_doubted = || self.matching.as_ref().is_some_and(VelocityMatch::is_doubted);
         if is_captive && !repeats && self.repeated_s > longest_gap_s && (self.has_noise || is_doubted()) {
             return Err(StrapdownError::Gap);
@@ -471,14 +471,14 @@ impl VerticalChannel {
             return Err(StrapdownError::Spike);
         }
         let bias = self.levelling.gyro_bias_radps();
-        // A rate that a second of samples has contradicted is none to bridge with.
+        // A rate that a second of samples has contradicted must not be used for bridging.
         let last_rate = if self.spikes < LONGEST_BRIDGED { last.rate } else { gyro_radps };
         let (before, after) = (difference(last_rate, bias), difference(gyro_radps, bias));
         // The body turns by this angle, so down turns against it.
         let coning = cross(before, after);
         let angle = scaled(sum(scaled(sum(before, after), 0.5), scaled(coning, step_s / 12.0)), -step_s);
         if dot(angle, angle) > LONGEST_ANGLE_RAD * LONGEST_ANGLE_RAD {
-            // The next may turn less: one that is wild must not end what a gap would not.
+            // The next one may turn less: a wild sample must not end what a gap would not end.
             return Err(StrapdownError::Spike);
         }
         down.rotate(angle);
@@ -488,7 +488,7 @@ impl VerticalChannel {
                 self.has_noise |= self.repeated_s > longest_gap_s;
                 self.contradict(has_lasted);
                 if !has_lasted {
-                    // A fit that begins with a level that is far off makes a gyro's bias of it.
+                    // A fit that begins with a level far off would turn the error into a gyro bias.
                     down = Down::from_specific_force(force, GRAVITY_MPS2).unwrap_or(down);
                 }
             }
@@ -541,7 +541,7 @@ impl VerticalChannel {
         Ok(())
     }
 
-    /// Whether level, altitude and climb rate are known: both fits cover the least time.
+    /// Whether level, altitude and climb rate are known: both fits cover the minimum time.
     #[must_use]
     pub fn is_aligned(&self) -> bool {
         match self.phase {
@@ -568,13 +568,13 @@ impl VerticalChannel {
         self.is_aligned().then(|| self.altitude.value())
     }
 
-    /// Climb rate, m/s; `None` as for the altitude.
+    /// Climb rate, m/s; `None` when the altitude is.
     #[must_use]
     pub fn climb_rate_mps(&self) -> Option<f32> {
         self.is_aligned().then(|| self.climb_rate.value())
     }
 
-    /// Variance of the altitude against the reference's, m^2: in free flight it grows.
+    /// Variance of the altitude against the reference's, m^2; it grows in free flight.
     #[must_use]
     pub fn altitude_variance_m2(&self) -> f32 {
         self.tie.altitude_m2()
@@ -586,19 +586,19 @@ impl VerticalChannel {
         self.down.map(|down| down.get())
     }
 
-    /// The gyro's bias as the levelling has it, body axes, rad/s.
+    /// The gyro's bias by the levelling, body axes, rad/s.
     #[must_use]
     pub fn gyro_bias_radps(&self) -> [f32; 3] {
         self.levelling.gyro_bias_radps()
     }
 
-    /// Upward acceleration that the accelerometer lacks, as the reference has it, m/s^2.
+    /// Lacking acceleration: upward acceleration missing from the accelerometer by the reference, m/s^2.
     #[must_use]
     pub const fn lacking_acceleration_mps2(&self) -> f32 {
         self.lacking_mps2.value()
     }
 
-    /// Its counts.
+    /// Counters of the channel.
     #[must_use]
     pub const fn counts(&self) -> Counts {
         self.counts

@@ -1,4 +1,4 @@
-//! What the reference says of altitude and climb rate, and how free flight's gaps are mended by it.
+//! Ties altitude and climb rate to the reference, and mends free flight's gaps with it.
 
 use super::bridge::{CLIMB_FIX_S, MENDED_BY_CLIMB_M2PS2, MENDED_LACKING_M2PS4, MENDED_M2, MENDED_M2PS2};
 use super::memory::Memory;
@@ -12,9 +12,8 @@ use super::{
 use crate::guard::Guard;
 use crate::time::seconds_between;
 
-/// A fix that moves the altitude by more than five of the sigmas that it leaves has to be confirmed by the
-/// next one: after an outage the gate lets an outlier of tens of metres through, and what a gate lets through
-/// is not normal.
+/// A fix that moves the altitude by more than five of the sigmas after it must be confirmed by the next one:
+/// after an outage the gate passes outliers of tens of metres, and their distribution is not normal.
 const CONFIRMED_SIGMAS_SQUARED: f32 = 25.0;
 
 impl VerticalChannel {
@@ -56,9 +55,9 @@ impl VerticalChannel {
             Some(memory.parabola_gains(step_s).map(|gain| gain * residual_m))
         };
         let Some([moved_m, climb_rate, lacking]) = moved else {
-            // In free flight a reference that contradicts the channel never has the last word. Nor is it one
-            // to wait for: an error that no gap can have cost was there before it, or is the reference's, and
-            // is to be seen.
+            // In free flight a reference that contradicts the channel is never right. It is not worth waiting
+            // for either: an error that no gap can have caused was there before, or is the reference's, and
+            // must be seen.
             if !is_captive {
                 self.drifted_m2 = self.tie.altitude_m2();
                 return Err(StrapdownError::Outlier);
@@ -66,18 +65,17 @@ impl VerticalChannel {
             let (since_us, count) = self.outlying.unwrap_or((time_us, 0));
             let count = (count + 1).min(2 * OUTLIERS);
             self.outlying = Some((since_us, count));
-            // The fixes of a tie are outweighed once others have contradicted them for longer than they came
-            // themselves.
+            // Fixes that contradict a tie outweigh it once they have lasted longer than the tie's own fixes.
             let outweighs_s = LONGEST_OUTLIER_S.min(self.anchor.elapsed_s());
             let has_lasted = seconds_between(since_us, time_us) > outweighs_s;
             if count >= OUTLIERS && has_lasted {
-                // It is the reference that has moved, or the channel: either way what there was is no tie.
+                // The reference or the channel has moved: in either case the old tie is invalid.
                 self.anchor = Memory::default();
                 self.begin_tie(time_us, altitude_m);
             }
             return Err(StrapdownError::Outlier);
         };
-        // A fix that is taken outweighs two outliers; a tie to an outlier is outweighed by the others.
+        // A fix that is taken outweighs two outliers; a tie to an outlier is outweighed by the other fixes.
         self.outlying =
             self.outlying.filter(|(_, count)| *count > 2).map(|(since_us, count)| (since_us, count - 2));
         self.anchor_time_us = time_us;
@@ -90,7 +88,7 @@ impl VerticalChannel {
             self.end_mending(MENDED_BY_CLIMB_M2PS2, MENDED_M2);
         } else {
             self.lack(lacking);
-            // Who measures climb rates has not had the last word.
+            // With a receiver that measures climb rates, the climb rate ends the mending.
             let has_climb =
                 self.climb_fix_us.is_some_and(|fix_us| seconds_between(fix_us, time_us) < CLIMB_FIX_S);
             if !has_climb {
@@ -101,8 +99,8 @@ impl VerticalChannel {
     }
 
     /// Takes the climb rate of the fix that [`Self::reference`] was just given, m/s, while a gap of free
-    /// flight is mended: it says at once what altitudes say after seconds. In captive flight it is not asked,
-    /// as the altitudes are enough, and it would be one more to believe.
+    /// flight is mended: it shows at once what altitudes show after seconds. It is not used in captive
+    /// flight, because the altitudes are enough there, and it would be one more source to trust.
     ///
     /// # Errors
     /// [`StrapdownError::Launched`], [`StrapdownError::NotFinite`], [`StrapdownError::OutOfOrder`]; nothing
@@ -114,7 +112,7 @@ impl VerticalChannel {
         if !climb_rate_mps.is_finite() {
             return Err(StrapdownError::NotFinite);
         }
-        // Of another fix than the one that the tie was carried on to.
+        // Not the fix to which the tie was propagated.
         if time_us != self.tie_time_us {
             return Err(StrapdownError::OutOfOrder);
         }
@@ -128,8 +126,8 @@ impl VerticalChannel {
         Ok(())
     }
 
-    /// Where climb rate and altitude are known to these variances, and nothing carries the climb rate off
-    /// again.
+    /// Ends mending if climb rate and altitude are known to these variances and the level no longer pulls at
+    /// the climb rate.
     fn end_mending(&mut self, climb_m2ps2: f32, altitude_m2: f32) {
         if self.tie.climb_m2ps2() <= climb_m2ps2
             && self.tie.altitude_m2() <= altitude_m2
@@ -141,21 +139,21 @@ impl VerticalChannel {
         }
     }
 
-    /// Adds to the accelerometer's bias of free flight what it lacks upward, m/s^2.
+    /// Adds lacking upward acceleration, m/s^2, to the accelerometer's bias of free flight.
     fn lack(&mut self, lacking_mps2: f32) {
         if let (Phase::Free { accel_bias, .. }, Some(down)) = (&mut self.phase, &self.down) {
             *accel_bias = sum(*accel_bias, scaled(down.get(), lacking_mps2));
         }
     }
 
-    /// Whether a gap of free flight is being mended: fixes are wanted.
+    /// Whether a gap of free flight is being mended, so that fixes are needed.
     #[must_use]
     pub fn is_mending(&self) -> bool {
         self.is_mending && matches!(self.phase, Phase::Free { .. })
     }
 
-    /// Ties altitude to its first fix. What was found of the accelerometer's bias is where the search for it
-    /// begins.
+    /// Ties the altitude to its first fix. The search for the accelerometer's bias begins at the bias found
+    /// so far.
     fn begin_tie(&mut self, time_us: u64, altitude_m: f32) {
         self.anchor.count(0.0, self.config.anchor_window_s);
         self.anchor_time_us = time_us;
@@ -171,17 +169,17 @@ impl VerticalChannel {
         self.tie_time_us = time_us;
     }
 
-    /// Climb rate and its variance, m/s and (m/s)^2, as soon as the reference has said anything of it,
-    /// aligned or not.
+    /// Climb rate and its variance, m/s and (m/s)^2, as soon as the reference has given any information about
+    /// it, aligned or not.
     #[must_use]
     pub fn tied_climb_rate(&self) -> Option<(f32, f32)> {
         (self.phase != Phase::Lost && !self.anchor.is_empty())
             .then(|| (self.climb_rate.value(), self.tie.climb_m2ps2()))
     }
 
-    /// Ties altitude and climb rate anew in captive flight to a fix that contradicts them, metres and m/s:
-    /// they are not what their variances say. What was found of the accelerometer is kept if it was found
-    /// before that, and else searched for anew.
+    /// In captive flight, ties altitude and climb rate again to a fix that contradicts them, metres and m/s,
+    /// because their variances are wrong. The accelerometer's bias is kept if it was found before that;
+    /// otherwise the search for it starts again.
     ///
     /// # Errors
     /// [`StrapdownError::Implausible`]; nothing has changed then.

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A sum that keeps what each addition lost (Kahan): hours of increments of a millionth of the sum move it.
+/// A sum that keeps the rounding error of each addition (Kahan): hours of increments of a millionth of the
+/// sum still move it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Sum {
     value: f32,

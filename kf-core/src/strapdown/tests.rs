@@ -1,4 +1,4 @@
-//! The channel against motions whose result is known.
+//! The channel with motions of known result.
 
 use super::*;
 
@@ -14,12 +14,12 @@ const SECOND: u64 = 200;
 
 type Vector64 = [f64; 3];
 
-/// Down in body axes of a roll and a pitch.
+/// Down in body axes for a roll and a pitch.
 fn down_of(roll: f64, pitch: f64) -> Vector64 {
     [-pitch.sin(), roll.sin() * pitch.cos(), roll.cos() * pitch.cos()]
 }
 
-/// What an inertial unit reads, errors added.
+/// Reading of an inertial unit, errors included.
 fn sample(force: Vector64, rate: Vector64) -> ImuSample {
     ImuSample { accel_mps2: force.map(|part| part as f32), gyro_radps: rate.map(|part| part as f32) }
 }
@@ -53,7 +53,7 @@ impl Rig {
         self.channel.inertial(self.time_us(), sample).unwrap();
     }
 
-    /// So long under the pylon, level and at rest at 1000 m, referenced ten times a second.
+    /// Captive flight for so long, level and at rest at 1000 m, with ten fixes a second.
     fn captive(seconds: u64) -> Self {
         let mut rig = Self::new();
         for _ in 0..seconds * SECOND {
@@ -65,7 +65,7 @@ impl Rig {
         rig
     }
 
-    /// Free flight from a level rest: the altitude's error after so long with these readings all the time.
+    /// Free flight from a level rest: the altitude's error after so long with this constant reading.
     fn free(mut self, seconds: u64, reading: &ImuSample) -> f64 {
         self.channel.launch();
         for _ in 0..seconds * SECOND {
@@ -75,7 +75,7 @@ impl Rig {
     }
 }
 
-/// Within a part of the value.
+/// Asserts equality within a fraction of the value.
 fn assert_near(found: f64, wanted: f64, part: f64) {
     assert!((found - wanted).abs() <= part * wanted.abs(), "{found}, not {wanted}");
 }
@@ -115,7 +115,7 @@ fn a_tilt_grows_with_the_double_integral_of_horizontal_acceleration() {
         down.rotate([0.0, tilt, 0.0]);
         rig.channel.down = Some(down);
         let error = rig.free(seconds, &sample([acceleration, 0.0, -G], [0.0; 3]));
-        // Of the tilt itself, and of gravity's cosine.
+        // From the tilt itself, and from gravity's cosine.
         let tilt = f64::from(tilt);
         let upward = -acceleration * tilt + G * (tilt.cos() - 1.0);
         assert_near(error, 0.5 * upward * (seconds * seconds) as f64, 0.005);
@@ -127,14 +127,14 @@ fn a_gyro_bias_grows_with_the_double_integral_of_that_times_time() {
     let (bias, acceleration) = (1e-4, 2.0);
     for seconds in [20u64, 40] {
         let error = Rig::captive(60).free(seconds, &sample([acceleration, 0.0, -G], [0.0, bias, 0.0]));
-        // Tilt b t: -a b t^3/6, and of gravity's cosine -g b^2 t^4/24.
+        // Tilt b t: -a b t^3/6, and from gravity's cosine -g b^2 t^4/24.
         let t = seconds as f64;
         let wanted = acceleration * bias * t.powi(3) / 6.0 - G * bias * bias * t.powi(4) / 24.0;
         assert_near(error, wanted, 0.005);
     }
 }
 
-/// Roll and pitch that wander with gusts, no acceleration, and gyros that are off.
+/// Roll and pitch wander with gusts, no acceleration, and the gyros have a bias.
 #[test]
 fn level_and_gyro_bias_are_found() {
     let bias = [0.004, -0.003, 0.002];
@@ -147,7 +147,7 @@ fn level_and_gyro_bias_are_found() {
             (angles(t), angles(t + 1e-4), angles(t - 1e-4));
         let roll_rate = (later_roll - earlier_roll) / 2e-4;
         let pitch_rate = (later_pitch - earlier_pitch) / 2e-4;
-        // Euler's kinematics with a heading that stays (Titterton and Weston, section 3.6.2).
+        // Euler's kinematics with a constant heading (Titterton and Weston, section 3.6.2).
         let rate = [roll_rate, pitch_rate * roll.cos(), -pitch_rate * roll.sin()];
         let read = [0, 1, 2].map(|axis| rate[axis] + bias[axis]);
         rig.step(&sample(at_rest(down_of(roll, pitch)), read));
@@ -162,8 +162,8 @@ fn level_and_gyro_bias_are_found() {
     assert_eq!(rig.channel.counts().untrimmed, 0);
 }
 
-/// Straight flight with horizontal accelerations of a phugoid and of gusts, attitude that wanders, a wind
-/// that makes the track another direction than the heading, and gyros that are off.
+/// Straight flight with horizontal accelerations of a phugoid and of gusts, a wandering attitude, a wind that
+/// turns the track away from the heading, and gyros with a bias.
 struct Carried {
     rig: Rig,
     heading: f64,
@@ -191,7 +191,7 @@ impl Carried {
         [0.05 + 0.03 * (0.9 * t).sin() + 0.02 * (2.3 * t).sin(), -0.08 + 0.02 * (1.3 * t).cos()]
     }
 
-    /// Ahead and to the right of the heading, level: velocity and acceleration. 28 m/s, 6 m/s of crab.
+    /// Level velocity and acceleration ahead of and right of the heading. 28 m/s, 6 m/s of crab.
     fn motion(t: f64) -> [[f64; 2]; 2] {
         let waves = |parts: [[f64; 2]; 2], slow: f64| {
             parts.into_iter().fold([slow, 0.0], |[v, a], [size, rate]| {
@@ -255,7 +255,7 @@ impl Carried {
     fn tied(self, seconds: u64) -> Self {
         (0..seconds).fold(self, |carried, _| {
             let mut carried = carried.run(1, true);
-            // Where the level is lost, the altitude is an outlier.
+            // If the level is lost, the altitude is an outlier.
             let _ = carried.rig.channel.reference(carried.rig.time_us(), 1_000.0);
             carried
         })
@@ -284,15 +284,15 @@ fn with_velocities_an_acceleration_is_no_tilt() {
         println!(
             "{heading}: {tilt:.1e} rad {bias:.1e} rad/s {squares:.3?}; without velocities {tilt_without:.1e} rad"
         );
-        // Without, the ends of the window weigh four times: accelerations of 0.5 m/s^2 and periods of 25 s
-        // leave more than a milliradian. Exact velocities leave what the priors still weigh, well below a
-        // sigma.
+        // Without velocities, the ends of the window weigh four times: accelerations of 0.5 m/s^2 and periods
+        // of 25 s leave more than a milliradian. Exact velocities leave the remaining weight of the priors,
+        // well below a sigma.
         assert!(tilt_without > 1e-3 && tilt < 0.1 * tilt_without);
         assert!(squares.into_iter().all(|square| square < 0.1), "{heading}: {squares:?}");
     }
 }
 
-/// The errors are as large as the filter's own variances say, over many draws of the fixes' noise.
+/// The errors match the filter's own variances, over many draws of the fixes' noise.
 #[test]
 fn the_matchs_variances_are_true() {
     let (mut sum, mut count) = ([0.0; 2], 0.0);
@@ -306,12 +306,12 @@ fn the_matchs_variances_are_true() {
     let [tilt, bias] = sum.map(|sum| sum / count);
     println!("squared errors over their variances: {tilt:.2} {bias:.2}");
     // Of two unit normals the larger square has mean 1.64 (variance 3.1), of three 2.1 (3.9): over 40 flights
-    // no more than 2.5 and 3.0. Less, because these flights have neither gyro noise nor vibration, for which
-    // the variances leave room; how much less says how cautious the match is.
+    // no more than 2.5 and 3.0. The result is smaller because these flights have neither gyro noise nor
+    // vibration, for which the variances leave room; how much smaller shows how cautious the match is.
     assert!((0.1..2.5).contains(&tilt) && (0.1..3.0).contains(&bias), "{tilt} {bias}");
 }
 
-/// Half a minute without velocities is bridged by a new match, and level is not lost.
+/// A new match bridges half a minute without velocities, and the level is not lost.
 #[test]
 fn velocities_may_stay_away() {
     let mut carried = Carried::new(0.6, GYRO_BIAS);
@@ -323,7 +323,7 @@ fn velocities_may_stay_away() {
     for _ in 0..40 * SECOND {
         carried.step(false);
     }
-    // The level that 200 s have found lasts; what comes in is an average over the window of the levelling.
+    // The level found in 200 s lasts; new samples enter as an average over the window of the levelling.
     let [tilt, _] = carried.errors();
     assert!(carried.rig.channel.matching.is_none() && tilt < 0.01, "{tilt}");
     for _ in 0..120 * SECOND {
@@ -333,8 +333,8 @@ fn velocities_may_stay_away() {
     assert!(tilt < 2e-4 && bias < 5e-5, "{tilt} {bias}");
 }
 
-/// One fix that is far off, and a receiver that has gone mad. A receiver whose velocities are far worse than
-/// assumed does not deny the channel for good, and is matched again once it is mended.
+/// One fix that is far off, and a receiver with wild velocities. A receiver whose velocities are far worse
+/// than assumed does not block the channel for ever, and is matched again once it is healthy.
 #[test]
 fn velocities_that_contradict_the_level_are_asked_less_and_less_often() {
     let mut carried = Carried::new(0.7, [0.002, -0.001, 0.001]);
@@ -370,7 +370,7 @@ fn a_velocity_that_can_not_be_is_refused() {
     assert_eq!(errors, [Err(StrapdownError::NotFinite), Err(StrapdownError::Implausible)]);
 }
 
-/// A hold that ends in a launch is the launch at its first tick; one that does not is an interruption.
+/// A hold that ends in a launch equals a launch at its first tick; one that does not is an interruption.
 #[test]
 fn a_hold_is_a_launch_until_it_is_resumed() {
     let mut carried = Carried::new(0.6, GYRO_BIAS);
@@ -416,7 +416,7 @@ fn the_reference_gives_altitude_climb_rate_and_accelerometer_bias() {
     assert!((f64::from(rig.channel.altitude_m().unwrap()) - altitude(rig.time_s())).abs() < 0.005);
     assert!((rig.channel.climb_rate_mps().unwrap() - 2.0).abs() < 0.001);
     assert!((rig.channel.lacking_acceleration_mps2() - 0.05).abs() < 1e-4);
-    // And keeps them: the bias is the body's, so in free flight it goes on being corrected.
+    // It keeps it: the bias is the body's, so it is still corrected in free flight.
     rig.channel.launch();
     for _ in 0..60 * SECOND {
         rig.step(&sample([0.0, 0.0, -G + 0.05], [0.0; 3]));
@@ -438,7 +438,7 @@ fn acceleration_is_linear_over_an_interval() {
     assert!((rig.channel.climb_rate_mps().unwrap() - 0.5).abs() < 1e-5);
 }
 
-/// A rate that goes round in the body makes an attitude that no sum of its angles shows (coning).
+/// A rate that rotates in the body causes an attitude that no sum of its angles shows (coning).
 #[test]
 fn coning_is_followed() {
     let (amplitude, frequency) = (0.5, 20.0);
@@ -447,16 +447,15 @@ fn coning_is_followed() {
     rig.channel.launch();
     let bias = rig.channel.gyro_bias_radps().map(f64::from);
     let start = rig.time_s();
-    // The first interval ends the rest: a rate that jumps is not what is tested.
+    // The first interval ends the rest: a jump of the rate is not under test.
     rig.step(&sample([0.0, 0.0, -G], [0, 1, 2].map(|axis| rate(0.0)[axis] + bias[axis])));
     let begin = rig.channel.down_body().unwrap().map(f64::from);
     let mut truth = begin;
     let first = rig.time_s();
     for _ in 0..60 * SECOND {
-        // A hundred steps a tick, second order each.
+        // A hundred steps a tick, each of second order.
         for part in 0..100 {
-            // Linear between the ticks, as the channel takes it: what a chip's filter does is not the
-            // subject.
+            // Linear between the ticks, as the channel assumes: a chip's filter is not under test.
             let t = rig.time_s() - first;
             let share = (f64::from(part) + 0.5) / 100.0;
             let (from, to) = (rate(t), rate(t + STEP_S));
@@ -472,8 +471,8 @@ fn coning_is_followed() {
         rig.step(&sample([0.0, 0.0, -G], [0, 1, 2].map(|axis| rate(t)[axis] + bias[axis])));
     }
     assert!(rig.time_s() - start > 60.0);
-    // Without the coning term the drift is amplitude^2 frequency dt^2 / 12 = 1e-5 rad/s about the axis that
-    // the rate goes round, the body's x: 6e-4 rad in a minute. With it, the next order: below a tenth of
+    // Without the coning term the drift is amplitude^2 frequency dt^2 / 12 = 1e-5 rad/s about the axis around
+    // which the rate rotates, the body's x: 6e-4 rad in a minute. With it, the next order: below a tenth of
     // that.
     let apart: f64 = rig
         .channel
@@ -505,8 +504,8 @@ fn a_turn_does_not_level_the_channel() {
     }
     let counts = rig.channel.counts();
     assert!(counts.untrimmed > 1_500, "{counts:?}");
-    // Only the roll into it, before it is noticed, pulls at the level: 120 ticks of 4/n of a mean error of
-    // 0.3 rad.
+    // Only the entry into the turn, before it is detected, pulls at the level: 120 ticks of 4/n of a mean
+    // error of 0.3 rad.
     let down = rig.channel.down_body().unwrap();
     for (found, wanted) in down.into_iter().zip(down_of(bank, 0.0)) {
         assert!((f64::from(found) - wanted).abs() < 0.012, "{down:?}");
@@ -516,8 +515,8 @@ fn a_turn_does_not_level_the_channel() {
     }
 }
 
-/// A gust at the very first samples: what the fit makes of two of them for a gyro's bias must not keep all
-/// others out.
+/// A gust at the very first samples: the gyro bias that the fit makes of two of them must not exclude all
+/// others.
 #[test]
 fn a_gust_at_the_start_does_not_end_the_levelling() {
     let mut rig = Rig::new();
@@ -533,7 +532,7 @@ fn a_gust_at_the_start_does_not_end_the_levelling() {
 }
 
 /// An engine shakes the unit from its first sample on, the gyro has its noise, and at one second in five a
-/// gap of 0.4 s begins: the levelling takes its time and no more, whichever samples it begins with.
+/// gap of 0.4 s begins: the levelling takes its normal time and no more, whichever samples it begins with.
 #[test]
 fn an_engine_that_shakes_the_unit_does_not_delay_the_levelling() {
     for phase in 0..20 {
@@ -559,8 +558,8 @@ fn an_engine_that_shakes_the_unit_does_not_delay_the_levelling() {
     }
 }
 
-/// What moves the level for half a second costs a match that has agreed with velocities for long neither the
-/// level's time nor the altitude.
+/// A disturbance of the level for half a second must not cost a match that has long agreed with velocities a
+/// new levelling or the altitude.
 #[test]
 fn a_brief_disturbance_of_the_level_is_matched_away() {
     let mut carried = Carried::new(0.7, [0.002, -0.001, 0.001]).tied(60);
@@ -624,7 +623,7 @@ fn free_fall_shows_no_vertical() {
 }
 
 proptest::proptest! {
-    /// Whatever comes in, what comes out is a number, and down has length 1.
+    /// For any input the output is finite, and down has length 1.
     #[test]
     fn any_plausible_input_stays_finite(
         steps in proptest::collection::vec(

@@ -1,38 +1,38 @@
-//! The tie to the reference: what a fix of its altitude says of the channel's altitude, climb rate and the
-//! acceleration that the accelerometer lacks.
+//! The tie to the reference: how a fix's altitude corrects the channel's altitude, climb rate and lacking
+//! acceleration (upward acceleration missing from the accelerometer).
 //!
-//! A Kalman filter of the three errors (A. Gelb, "Applied Optimal Estimation", MIT Press 1974, section 4.2),
-//! whose covariance knows how long it was since the last fix: after a gap the next one weighs more, and of a
-//! burst each weighs less. Its gains are those of an observer that is stable whatever the times of the fixes
-//! are: between fixes and at each of them `e' P^-1 e` of the error `e` does not grow. The covariance is kept
-//! as `U D U'` (G. J. Bierman, "Factorization Methods for Discrete Sequential Estimation", Academic Press
-//! 1977, chapter V), so rounding cannot make it negative.
+//! A Kalman filter of the three errors (A. Gelb, "Applied Optimal Estimation", MIT Press 1974, section 4.2).
+//! Its covariance accounts for the time since the last fix: after a gap the next one weighs more, and in a
+//! burst each weighs less. Its gains are those of an observer that is stable for fixes at any times: between
+//! fixes and at each of them `e' P^-1 e` of the error `e` does not grow. The covariance is stored as `U D U'`
+//! (G. J. Bierman, "Factorization Methods for Discrete Sequential Estimation", Academic Press 1977, chapter
+//! V), so rounding cannot make it negative.
 
 use serde::{Deserialize, Serialize};
 
-/// Variance of a fix's altitude times the time that it stands for, m^2 s. A receiver's error is correlated
-/// over a minute, so its fixes do not say more by being more frequent.
+/// Variance of a fix's altitude times the time that the fix represents, m^2 s. A receiver's error is
+/// correlated over a minute, so more frequent fixes give no more information.
 const FIX_M2S: f32 = 1.0;
-/// Longest time that one fix stands for, s: no fix is known better than to 2 m.
+/// Longest time that one fix represents, s: no fix is known better than to 2 m.
 const LONGEST_FIX_S: f32 = 0.25;
 /// Random walk of the lacking acceleration, (m/s^2)^2/s: an accelerometer and a level that wander by 0.01
-/// m/s^2 within 100 s or so. Of 3e-7, 1e-6 and 2e-6 it left the least errors in simulations of 400 and 1,500
-/// runs (fixes of 0.4 m white and 1.5 m that wander within 60 s); a least-squares parabola over the last
-/// minute left 15 % more of drift and 40 % more of climb rate.
+/// m/s^2 within about 100 s. Of 3e-7, 1e-6 and 2e-6 it left the smallest errors in simulations of 400 and
+/// 1,500 runs (fixes of 0.4 m white and 1.5 m that wander within 60 s); a least-squares parabola over the
+/// last minute left 15 % more drift and 40 % more climb rate.
 const LACKING_DENSITY: f32 = 1e-6;
 /// Random walk of the climb rate, (m/s)^2/s: vibration of 0.45 m/s^2 sampled 200 times a second.
 const CLIMB_DENSITY: f32 = 1e-3;
 /// Variances before the second fix: a climb rate of 10 m/s; the zero-g offset of a MEMS unit (0.2 m/s^2) and
-/// what a tilt of 0.3 rad, a gust at the first sample, takes from gravity (0.44 m/s^2).
+/// the part of gravity lost to a tilt of 0.3 rad from a gust at the first sample (0.44 m/s^2).
 const START_CLIMB_M2PS2: f32 = 100.0;
 const START_LACKING_M2PS4: f32 = 0.25;
-/// Variance of a climb rate that is a fix's, and contradicted by what there was, (m/s)^2: more than an
-/// aligned channel may have, so that some fixes of the altitude must confirm it.
+/// Variance of a fix's climb rate that replaced a contradicting one, (m/s)^2: more than an aligned channel
+/// may have, so that some altitude fixes must confirm it.
 const RETIED_CLIMB_M2PS2: f32 = 4.0;
-/// Variance of a fix's climb rate, (m/s)^2: a receiver's Doppler is good for 0.1 m/s, and 0.1 s late in a
+/// Variance of a fix's climb rate, (m/s)^2: a receiver's Doppler is accurate to 0.1 m/s, and 0.1 s late in a
 /// manoeuvre of half a g.
 const FIX_CLIMB_M2PS2: f32 = 0.25;
-/// A fix further off than so many sigmas, squared, is an outlier.
+/// A fix further off than this many sigmas, squared, is an outlier.
 const GATE: f32 = 25.0;
 
 /// Covariance of the errors of altitude (m), climb rate (m/s) and lacking acceleration (m/s^2).
@@ -49,7 +49,7 @@ pub(super) struct Tie {
 }
 
 impl Tie {
-    /// After the first fix, which the altitude is set to.
+    /// After the first fix, to which the altitude is set.
     pub(super) const START: Self = Self {
         altitude_by_climb: 0.0,
         altitude_by_lacking: 0.0,
@@ -59,7 +59,7 @@ impl Tie {
         lacking: START_LACKING_M2PS4,
     };
 
-    /// After a fix that altitude and climb rate are set to; the lacking acceleration is known as before.
+    /// After a fix to which altitude and climb rate are set; the lacking acceleration is known as before.
     pub(super) const fn retied(&self) -> Self {
         Self { climb: RETIED_CLIMB_M2PS2, lacking: self.lacking, ..Self::START }
     }
@@ -81,7 +81,7 @@ impl Tie {
         self.lacking
     }
 
-    /// Time passes without a fix, seconds.
+    /// Propagates over a time without a fix, seconds.
     pub(super) fn pass(&mut self, seconds: f32) {
         self.add(0.0, CLIMB_DENSITY * seconds, LACKING_DENSITY * seconds);
         self.altitude_by_lacking += seconds * (self.climb_by_lacking + 0.5 * seconds);
@@ -111,8 +111,9 @@ impl Tie {
         self.altitude += altitude_m2;
     }
 
-    /// Takes a fix that stands for so many seconds and is so far off the altitude, metres: what is to be
-    /// added to altitude, climb rate and lacking acceleration. `None`, and nothing changed, for an outlier.
+    /// Takes a fix that represents `seconds` and differs from the altitude by `residual_m`, metres. Returns
+    /// the corrections of altitude, climb rate and lacking acceleration. `None`, with nothing changed, for an
+    /// outlier.
     pub(super) fn fix(&mut self, seconds: f32, residual_m: f32) -> Option<[f32; 3]> {
         let variance = FIX_M2S / seconds.min(LONGEST_FIX_S);
         let (a, b, c) = (self.altitude_by_climb, self.altitude_by_lacking, self.climb_by_lacking);
@@ -186,7 +187,7 @@ mod tests {
     }
 
     proptest! {
-        /// The covariance and the gains are those of the Kalman filter in full, in double precision.
+        /// Covariance and gains equal those of the full Kalman filter in double precision.
         #[test]
         fn it_is_the_kalman_filter(
             steps in proptest::collection::vec((1e-3f32..1.5, 0..5, -3f32..3.0), 1..400),

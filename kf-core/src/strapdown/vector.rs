@@ -1,4 +1,4 @@
-//! Vectors in body axes, and the direction of down among them.
+//! Vectors in body axes, and the direction of down in them.
 
 use super::sum::Sum;
 
@@ -12,8 +12,8 @@ pub(super) fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `a - b`. (Written out, as [`scaled`] and [`sum`] are: of a closure that takes an axis the compiler cannot
-/// see that the axis is one.)
+/// `a - b`. (Written out, as [`scaled`] and [`sum`] are: for a closure over an axis the compiler cannot prove
+/// that the axis is valid.)
 pub(super) const fn difference([a, b, c]: Vector, [x, y, z]: Vector) -> Vector {
     [a - x, b - y, c - z]
 }
@@ -30,20 +30,20 @@ pub(super) const fn scaled([a, b, c]: Vector, by: f32) -> Vector {
 /// north-east-down.
 ///
 /// This row is closed under rotation (`c' = c x omega`, D. H. Titterton and J. L. Weston, "Strapdown Inertial
-/// Navigation Technology", 2nd edition, IEE 2004, section 3.6.3), and it is all that the vertical channel
-/// needs of the attitude: the heading never enters.
+/// Navigation Technology", 2nd edition, IEE 2004, section 3.6.3), and it is the only part of the attitude
+/// that the vertical channel needs: the heading is not used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Down([Sum; 3]);
 
 impl Down {
-    /// From a specific force of unaccelerated flight; `None` outside half to one and a half times gravity.
+    /// From the specific force of unaccelerated flight; `None` outside half to one and a half times gravity.
     pub(super) fn from_specific_force(force: Vector, gravity: f32) -> Option<Self> {
         let mut down = force.map(|part| -part / gravity);
         if !(0.25..2.25).contains(&dot(down, down)) {
             return None;
         }
-        // Newton's iteration for the unit vector: without a square root, quadratic, from anywhere in that
-        // range.
+        // Newton's iteration for the unit vector: without a square root, with quadratic convergence from
+        // anywhere in that range.
         for _ in 0..6 {
             let scale = 1.5 - 0.5 * dot(down, down);
             down = down.map(|part| part * scale);
@@ -56,7 +56,7 @@ impl Down {
         Self([Sum::new(x), Sum::new(y), Sum::new(z)])
     }
 
-    /// Moves the direction by a small vector across it.
+    /// Moves the direction by a small perpendicular vector.
     pub(super) fn shift(&mut self, by: Vector) {
         for (part, by) in self.0.iter_mut().zip(by) {
             part.add(by);
@@ -67,7 +67,7 @@ impl Down {
         self.0.map(Sum::value)
     }
 
-    /// Turns the vector by a rotation (rad, body axes), and holds its length at 1.
+    /// Rotates the vector (rad, body axes) and keeps its length at 1.
     ///
     /// The rotation is exact to the seventh power of the angle: the two functions of the squared angle are
     /// its series (Titterton and Weston, section 11.2.1), so there is no square root and no division.

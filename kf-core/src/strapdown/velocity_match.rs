@@ -1,23 +1,23 @@
-//! Level alignment by velocity matching: the horizontal velocity that the inertial samples integrate to is
-//! held against that of the reference, so that an acceleration of the aircraft is no tilt.
+//! Level alignment by velocity matching: the horizontal velocity integrated from the inertial samples is
+//! compared with that of the reference, so that an acceleration of the aircraft is not mistaken for a tilt.
 //!
 //! Levelling on specific force alone takes every horizontal acceleration for a tilt, 0.1 rad a g; here only
-//! what the reference's velocity does not explain is one. Error model in north-east-down axes, linear
-//! (Titterton and Weston, sections 12.3 and 10.4; P. D. Groves, "Principles of GNSS, Inertial, and
+//! the part that the reference's velocity does not explain is one. Error model in north-east-down axes,
+//! linear (Titterton and Weston, sections 12.3 and 10.4; P. D. Groves, "Principles of GNSS, Inertial, and
 //! Multisensor Integrated Navigation Systems", 2nd edition, Artech House 2013, section 14.2):
 //!
 //! `phi' = -C b`, `dv' = f x phi`; measured is `dv`, the integrated velocity less the fix's.
 //!
-//! `phi` is the small rotation of the computed axes against the true ones (tilts, heading), `b` what is left
-//! of the gyro's bias in body axes, `C` body to navigation axes, `f` specific force. Heading and the bias
-//! about the vertical show but weakly in the accelerations of straight flight, so the track is measured too:
-//! heading and crab angle, which is a state, as wind and trim do not change fast. Every fix is fed back once
-//! it is measured, so the states are zero between fixes. A horizontal bias of the accelerometer cannot be
-//! told from a tilt in straight flight, and is taken for one; so is the Coriolis acceleration (4 mm/s^2 at 28
-//! m/s), which is not in the model.
+//! `phi` is the small rotation of the computed axes against the true ones (tilts, heading), `b` the remaining
+//! gyro bias in body axes, `C` body to navigation axes, `f` specific force. Heading and the bias about the
+//! vertical are only weakly visible in the accelerations of straight flight, so the track is measured too:
+//! heading and crab angle. The crab angle is a state, because wind and trim do not change fast. Every fix is
+//! fed back once it is measured, so the states are zero between fixes. In straight flight a horizontal bias
+//! of the accelerometer cannot be distinguished from a tilt, and counts as one. So does the Coriolis
+//! acceleration (4 mm/s^2 at 28 m/s), which is not in the model.
 //!
-//! One fix a second is used. The update is spread over the nineteen samples after it: no tick bears all of
-//! it.
+//! One fix a second is used. The update is spread over the nineteen samples after it, so that no tick has to
+//! do all of it.
 
 use super::sum::Sum;
 use super::vector::{Down, Vector, cross, difference, dot, scaled, sum};
@@ -27,7 +27,7 @@ use crate::time::seconds_between;
 use crate::ud::{NoiseVariance, Row, UdFilter};
 
 /// Errors of velocity north and east (m/s), tilt north and east, heading (rad), gyro bias x, y, z (rad/s),
-/// crab angle (rad). In this order each is moved by later ones only, so the transition is unit upper
+/// crab angle (rad). In this order each is driven by later ones only, so the transition is unit upper
 /// triangular.
 const STATES: usize = 9;
 const VELOCITY: usize = 0;
@@ -36,54 +36,54 @@ const HEADING: usize = 4;
 const BIAS: usize = 5;
 const CRAB: usize = 8;
 
-/// Variances at the start: a tilt by an acceleration of 1 m/s^2, a crab angle of 0.3 rad, the bias of a MEMS
-/// gyro (0.02 rad/s), and the fix's velocity.
+/// Variances at the start: a tilt from an acceleration of 1 m/s^2, a crab angle of 0.3 rad, the bias of a
+/// MEMS gyro (0.02 rad/s), and the fix's velocity.
 const START: [f32; 4] = [0.01, 0.09, 4e-4, 0.02];
-/// Variance of a fix's velocity, (m/s)^2: 0.1 m/s, which has in it a latency of 0.2 s at 0.5 m/s^2.
+/// Variance of a fix's velocity, (m/s)^2: 0.1 m/s, which includes a latency of 0.2 s at 0.5 m/s^2.
 const FIX_M2PS2: f32 = 0.01;
 /// Noise densities. Angle: 0.02 deg/s/sqrt(Hz), rad^2/s.
 const ANGLE_DENSITY: f32 = 1.2e-7;
-/// Bias: moves by 10 deg/h in a quarter of an hour, (rad/s)^2/s.
+/// Bias: wanders by 10 deg/h in a quarter of an hour, (rad/s)^2/s.
 const BIAS_DENSITY: f32 = 2.6e-12;
 /// Velocity: vibration of 0.5 m/s^2 sampled 200 times a second, (m/s)^2/s.
 const VELOCITY_DENSITY: f32 = 1.2e-3;
 
-/// Crab: what wind and trim move in 100 s is 0.03 rad, rad^2/s; and in a turn up to a wind of a fifth of the
-/// airspeed.
+/// Crab: wind and trim change it by 0.03 rad in 100 s, rad^2/s; and in a turn by a wind of up to a fifth of
+/// the airspeed.
 const CRAB_DENSITY: f32 = 1e-5;
 const CRAB_BY_TURN: f32 = 0.04;
-/// A gust across the track moves it by itself over the speed. Variance of 2 m/s, (m/s)^2: 0.8 m/s that last
+/// A gust across the track turns it by the gust over the speed. Variance of 2 m/s, (m/s)^2: 0.8 m/s that last
 /// for several fixes.
 const GUST_M2PS2: f32 = 4.0;
 
-/// Least and longest time between two fixes that are used, seconds. Over the longest the error model is still
-/// linear.
+/// Shortest and longest time between two fixes that are used, seconds. The error model is still linear over
+/// the longest.
 const SHORTEST_S: f32 = 0.9;
 const LONGEST_S: f32 = 20.0;
-/// Below this speed a track is no heading, m/s.
+/// Speed below which a track gives no heading, m/s.
 const LEAST_SPEED_MPS: f32 = 5.0;
-/// A velocity further off than so many sigmas, squared, is refused; after so many in a row it is the filter
-/// that is wrong.
+/// A velocity further off than this many sigmas, squared, is refused; after this many refusals in a row the
+/// filter is wrong.
 const GATE: f32 = 25.0;
 const REFUSALS: u8 = 5;
-/// Fixes, one a second, after which a match was a good one: from [`START`] its tilts are known to 0.005 rad
-/// by then, and the gyro's bias, by which it would leave them within the next fixes, to 0.001 rad/s. What
-/// contradicts it later is a disturbance, and not the level that it began with.
+/// Fixes, one a second, after which a match counts as good: from [`START`] its tilts are by then known to
+/// 0.005 rad, and the gyro's bias, which would change them within the next fixes, to 0.001 rad/s. A later
+/// contradiction is a disturbance, not an error of the level at the start.
 const LASTING: u8 = 10;
 
-/// What is to be done at the next inertial sample.
+/// Work of the next inertial sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
     Idle,
     Compare(Fix),
-    /// The transition of one state.
+    /// Transition of one state.
     Propagate {
         state: usize,
         seconds: f32,
         gained: [f32; 3],
         fix: Apart,
     },
-    /// The noise of one state.
+    /// Noise of one state.
     Diffuse {
         state: usize,
         seconds: f32,
@@ -93,7 +93,7 @@ enum Stage {
     FeedBack,
 }
 
-/// What of a fix is measured.
+/// Measured component of a fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Component {
     North,
@@ -101,10 +101,10 @@ enum Component {
     Track,
 }
 
-/// A fix, and what was computed for its time.
+/// A fix, and the values computed for its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Fix {
-    /// Since the last one, seconds.
+    /// Time since the last one, seconds.
     seconds: f32,
     /// Integral of the specific force since then, m/s.
     gained: Vector,
@@ -114,17 +114,17 @@ struct Fix {
     ahead: [f32; 2],
 }
 
-/// How far a fix is from what was computed for its time.
+/// Difference of a fix from the values computed for its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Apart {
     velocity_mps: [f32; 2],
-    /// Track less heading less crab (rad), and its variance; `None` where it is too slow for a track.
+    /// Track less heading less crab (rad), and its variance; `None` if the speed is too low for a track.
     track: Option<[f32; 2]>,
     /// Square of the change of track since the last fix, rad^2.
     turned: f32,
 }
 
-/// What is measured is a state, or the sum of two.
+/// Row of a measurement of one state, or of the sum of two.
 const fn row_of(first: usize, second: usize) -> Row<STATES> {
     let mut tail = [0.0; STATES];
     tail[first] = 1.0;
@@ -132,7 +132,7 @@ const fn row_of(first: usize, second: usize) -> Row<STATES> {
     Row { head: None, tail, first }
 }
 
-/// A state's transition by the angles and by the gyro's bias.
+/// Transition of a state by the angles and by the gyro's bias.
 const fn row([a, b, c]: Vector, [x, y, z]: Vector) -> [f32; STATES] {
     let mut row = [0.0; STATES];
     [row[TILT], row[TILT + 1], row[HEADING]] = [a, b, c];
@@ -140,7 +140,7 @@ const fn row([a, b, c]: Vector, [x, y, z]: Vector) -> [f32; STATES] {
     row
 }
 
-/// A direction in the level plane from its components; `None` for too short ones.
+/// A direction in the level plane from its components; `None` if they are too short.
 fn unit([north, east]: [f32; 2], least: f32) -> Option<[f32; 2]> {
     let squared = north * north + east * east;
     if squared < least * least {
@@ -150,8 +150,8 @@ fn unit([north, east]: [f32; 2], least: f32) -> Option<[f32; 2]> {
     Some([north * scale, east * scale])
 }
 
-/// The track of a velocity, and north in body axes, the nose pointing along the track; `None` where there is
-/// no saying.
+/// The track of a velocity, and north in body axes if the nose points along the track; `None` if it cannot be
+/// determined.
 fn directions(velocity_mps: [f32; 2], down: &Down) -> Option<([f32; 2], Vector)> {
     let track = unit(velocity_mps, LEAST_SPEED_MPS)?;
     let down = down.get();
@@ -159,7 +159,7 @@ fn directions(velocity_mps: [f32; 2], down: &Down) -> Option<([f32; 2], Vector)>
     if level < 0.25 {
         return None;
     }
-    // The body's x made level, and what is to its right.
+    // The body's x made level, and the direction to its right.
     let ahead = scaled(difference([1.0, 0.0, 0.0], scaled(down, down[0])), reciprocal_root(level));
     let right = cross(down, ahead);
     let [cosine, sine] = track;
@@ -173,23 +173,22 @@ pub(super) struct VelocityMatch {
     /// Integrated horizontal velocity, m/s.
     velocity: [Sum; 2],
     crab_rad: f32,
-    /// Of the last fix that was used.
+    /// Track of the last fix that was used.
     track: [f32; 2],
     last_force: Option<Vector>,
     /// Integral of the specific force since the last fix that was used, m/s.
     gained: Vector,
     fix_us: u64,
     refusals: u8,
-    /// Fixes that it has agreed with.
+    /// Number of fixes that agreed with it.
     agreed: u8,
-    /// Variances of velocity ((m/s)^2) and angle (rad^2) that gaps between samples have cost since the last
-    /// fix.
+    /// Variances of velocity ((m/s)^2) and angle (rad^2) from gaps between samples since the last fix.
     bridged: [f32; 2],
     stage: Stage,
 }
 
 impl VelocityMatch {
-    /// Of no fix yet.
+    /// A match without a fix.
     const BLANK: Self = Self {
         filter: {
             let [tilt, heading, bias, velocity] = START;
@@ -208,9 +207,9 @@ impl VelocityMatch {
         stage: Stage::Idle,
     };
 
-    /// Begins anew in `matching` from a fix's north and east velocity, m/s; `None` where the track says no
-    /// heading, or the nose points up or down. In place, and most of it from a constant: it is large, and
-    /// begins in a tick that has a fix to bear.
+    /// Starts again in `matching` from a fix's north and east velocity, m/s; `None` if the track gives no
+    /// heading, or the nose points up or down. Built in place and mostly from a constant: it is large, and
+    /// starts in a tick that also has to process a fix.
     pub(super) fn begin(
         matching: &mut Option<Self>,
         time_us: u64,
@@ -228,7 +227,7 @@ impl VelocityMatch {
         begun.fix_us = time_us;
     }
 
-    /// Whether the last velocity has contradicted it.
+    /// Whether the last velocity contradicted it.
     pub(super) const fn is_doubted(&self) -> bool {
         self.refusals > 0
     }
@@ -243,13 +242,13 @@ impl VelocityMatch {
         self.agreed >= LASTING
     }
 
-    /// Whether fixes have stayed away for so long that the match is void.
+    /// Whether fixes have been absent for so long that the match is void.
     pub(super) fn is_void(&self, time_us: u64) -> bool {
         self.is_contradicted() || seconds_between(self.fix_us, time_us) > LONGEST_S
     }
 
-    /// Takes a sample: `angle` is how the axes turned since the last one (rad, body), which `down` has
-    /// already. Moves `down` and `gyro_bias` when an update is due.
+    /// Takes a sample: `angle` is the rotation of the axes since the last one (rad, body), already applied to
+    /// `down`. Corrects `down` and `gyro_bias` when an update is due.
     pub(super) fn take(
         &mut self,
         down: &mut Down,
@@ -332,13 +331,13 @@ impl VelocityMatch {
         self.filter.variance(state)
     }
 
-    /// Drops what is not yet taken of a fix: from now on only samples count. What is taken and not fed back
-    /// stays in the filter's state, for the next time.
+    /// Drops the part of a fix that is not processed yet: from now on only samples count. The processed part
+    /// that is not fed back stays in the filter's state, for the next time.
     pub(super) fn hold(&mut self) {
         self.stage = Stage::Idle;
     }
 
-    /// A gap between samples has cost these variances, (m/s)^2 and rad^2.
+    /// Adds the cost of a gap between samples, (m/s)^2 and rad^2.
     pub(super) fn bridge(&mut self, velocity_m2ps2: f32, angle_rad2: f32) {
         self.bridged[0] += velocity_m2ps2;
         self.bridged[1] += angle_rad2;
@@ -362,7 +361,7 @@ impl VelocityMatch {
         self.fix_us = time_us;
     }
 
-    /// How far the fix is from what was computed for its time.
+    /// Difference of the fix from the values computed for its time.
     fn compare(&mut self, fix: &Fix) -> Apart {
         let ([fixed_north, fixed_east], [north, east]) = (fix.velocity_mps, fix.integrated_mps);
         let mut apart =
@@ -381,9 +380,9 @@ impl VelocityMatch {
         apart
     }
 
-    /// Moves one state by later ones; biases and crab angle stay as they are. The axes are those of this
-    /// sample: those of the interval's end are no better, and the few samples between the first state and the
-    /// last are nothing to it.
+    /// Propagates one state by later ones; biases and crab angle stay as they are. The axes are those of this
+    /// sample: those at the end of the interval are no better, and the few samples between the first state
+    /// and the last are negligible.
     fn propagate(
         &mut self,
         state: usize,
@@ -392,7 +391,7 @@ impl VelocityMatch {
         gained: Vector,
     ) -> Result<(), FilterError> {
         let by_bias = self.axes(down).map(|axis| scaled(axis, -seconds));
-        // Velocity by the tilt in the middle of the interval: half of what the bias makes of it.
+        // Velocity by the tilt in the middle of the interval: half of the bias's effect on it.
         let [north, east, fall] = gained;
         let [a, b, c] = by_bias;
         let velocity = |parts: Vector| {
@@ -439,7 +438,7 @@ impl VelocityMatch {
         self.filter.update(&row, value, NoiseVariance::new(variance)?).map(|_| ())
     }
 
-    /// Moves what the states are errors of, and sets them to zero.
+    /// Corrects the quantities by the error states, and sets the states to zero.
     fn feed_back(&mut self, down: &mut Down, gyro_bias: &mut [Sum; 3]) {
         let error = *self.filter.tail();
         let axes = self.axes(down);
@@ -448,7 +447,7 @@ impl VelocityMatch {
         let turn = sum(tilt, scaled(vertical, -error[HEADING]));
         down.rotate(turn);
         self.north.rotate(turn);
-        // Rounding lets the two axes lean by some 1e-7 a tick.
+        // Rounding lets the two axes lean towards each other by some 1e-7 a tick.
         let lean = dot(self.north.get(), down.get());
         let straight = down.get().map(|part| -lean * part);
         self.north.shift(straight);
@@ -460,7 +459,7 @@ impl VelocityMatch {
         }
         self.crab_rad += error[CRAB];
         for (state, value) in error.into_iter().enumerate() {
-            // A finite value of a state that exists.
+            // Cannot fail: a finite value of an existing state.
             let _ = self.filter.shift_tail(state, -value);
         }
         self.filter.fold();

@@ -1,11 +1,11 @@
 //! The updates of a filter without a head, each in one function for every row of H, column by column.
 //!
-//! The same numbers, to the bit, as [`UdFilter::take`], which is written to be put in line where its row is a
-//! constant. Here the row is not, and the column's number is: every inner loop has a known length and is
-//! unrolled, and what a column needs of those before it stays in registers. That takes half of the
-//! instructions for eight states, and there is one copy of it.
+//! The results equal, to the bit, those of [`UdFilter::take`], which is written for inlining with a constant
+//! row. Here the row is not constant, but the column's number is: every inner loop has a known length and is
+//! unrolled, and the values that a column needs from earlier ones stay in registers. That takes half the
+//! instructions for eight states, and there is only one copy of it.
 
-// The first column has none before it.
+// No column precedes the first.
 #![allow(clippy::absurd_extreme_comparisons, clippy::reversed_empty_ranges)]
 
 use super::time_update::check_variance;
@@ -18,11 +18,11 @@ use crate::sensor::SENSORS;
 const MAX_COLUMNS: usize = SENSORS + MAX_ESTIMATED_EFFECTS + 1;
 const _: () = assert!(MAX_COLUMNS == 12, "every column is named below");
 
-/// Less than half a unit in the last place of the largest number (2^103): less makes no finite variance
-/// infinite.
+/// Less than half a unit in the last place of the largest number (2^103): smaller noise makes no finite
+/// variance infinite.
 const LARGEST_NOISE: f32 = 5e30;
 
-/// Does the work for each column that there is, with its number as a constant.
+/// Does the work for each existing column, with its number as a constant.
 macro_rules! upwards {
     ($column:ident, $work:block) => { each!($column, $work, 0 1 2 3 4 5 6 7 8 9 10 11) };
 }
@@ -77,7 +77,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         upwards!(J, {
             value -= row.tail[J] * self.tail_step[J];
         });
-        // As in `take`: it can only fail by being NaN or infinite.
+        // As in `take`: the variance can only fail by being NaN or infinite.
         let is_finite = value.abs() + variance <= f32::MAX;
         if !is_finite {
             return Err(FilterError::NotFinite);
@@ -93,7 +93,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         }
         let inverse_variance = 1.0 / variance;
         let weighted = value * inverse_variance;
-        // Before the first column there is no gain, and a factor that is multiplied with none stays.
+        // Before the first column the gain is zero, so a factor multiplied with it does not change.
         let mut gain = [0.0; TAIL];
         let mut before = noise.0;
         let mut inverse = 0.0;
@@ -111,8 +111,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
                 before = alpha[J];
             }
             if J + 1 == TAIL {
-                // The last column's part of the gain goes into the steps at once: no column after it needs
-                // it.
+                // The last column's part of the gain goes directly into the steps: no later column needs it.
                 let lambda = -f[J] * inverse;
                 let last_step = v[J] * weighted;
                 for k in 0..J {
@@ -127,7 +126,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         Ok(innovation)
     }
 
-    /// [`Self::add_tail_noise`] to the bit, but that what might overflow is refused by its size alone.
+    /// [`Self::add_tail_noise`] to the bit, except that noise that might overflow is refused by its size
+    /// alone.
     ///
     /// # Errors
     /// As there; [`FilterError::NotFinite`] from [`LARGEST_NOISE`] on.
@@ -151,7 +151,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
                 let a = if J == index { 1.0 } else { direction[J] };
                 let old = self.tail_d[J];
                 let new = old + weight * a * a;
-                // Otherwise a state known exactly, in a direction that the noise does not touch.
+                // Otherwise the state is known exactly, in a direction that the noise does not affect.
                 if new > 0.0 {
                     let inverse = 1.0 / new;
                     let beta = weight * a * inverse;

@@ -1,10 +1,10 @@
-//! Reading the covariance out of the factors.
+//! Covariance from the factors.
 
 use super::UdFilter;
 
 impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
-    /// A row of U right of the head, without the 1 that a tail state has on the diagonal, and where its
-    /// entries begin.
+    /// Part of a row of U right of the head, without a tail state's 1 on the diagonal, and the column at
+    /// which it begins.
     fn row(&self, state: usize) -> (&[f32], usize) {
         match state.checked_sub(HEAD) {
             None => (self.cross.get(state).map_or(&[], |row| row), 0),
@@ -14,8 +14,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         }
     }
 
-    /// One entry of P; rows and columns count head states first. Zero outside of the matrix. On the
-    /// diagonal it is [`Self::variance`], to the bit.
+    /// One entry of P; rows and columns count head states first. Zero outside the matrix. On the diagonal it
+    /// equals [`Self::variance`], to the bit.
     #[must_use]
     pub fn covariance(&self, row: usize, column: usize) -> f32 {
         if row == column {
@@ -25,7 +25,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         let above = upper.get(start - from..).unwrap_or(&[]);
         let d = self.tail_d.get(start..).unwrap_or(&[]);
         let both: f32 = above.iter().zip(lower).zip(d).map(|((upper, lower), d)| upper * d * lower).sum();
-        // What the 1 on the lower one's diagonal is multiplied with; in the head it is a zero of the upper.
+        // Factor of the 1 on the lower row's diagonal; in the head it is a zero of the upper row.
         let on_diagonal = match start.checked_sub(1) {
             Some(tail) => {
                 let upper = upper.get(tail.saturating_sub(from));
@@ -36,8 +36,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         on_diagonal + both
     }
 
-    /// Every entry of the upper triangle of P, to the bit as [`Self::covariance`] gives it, as row, column
-    /// and entry: all of them for little more than the last few would take one by one.
+    /// Every entry of the upper triangle of P, to the bit as [`Self::covariance`] returns it, as row, column
+    /// and entry: all of them cost little more than the last few taken one by one.
     #[inline(always)]
     pub(crate) fn for_each_covariance(&self, mut take: impl FnMut(usize, usize, f32)) {
         for (i, upper) in self.cross.iter().enumerate() {
@@ -64,7 +64,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         }
     }
 
-    /// Variance of one state; head states first. Zero outside of the state vector.
+    /// Variance of one state; head states first. Zero outside the state vector.
     #[must_use]
     pub fn variance(&self, index: usize) -> f32 {
         match index.checked_sub(HEAD) {

@@ -5,16 +5,15 @@
 //! variance, there is no square root, and D stays positive whatever the rounding.
 //!
 //! # Shape
-//! The states are a *head* of `HEAD` states and a *tail* of `TAIL` states, in that order. Given the
-//! tail, head states are independent of each other: their block of U is the identity and is not
-//! stored. That holds for sensor biases as long as each measurement touches one of them and the
-//! tail gets no process noise; it is what makes the paper's problem (three biases, the altitude
-//! last) cheap. A filter without such structure has `HEAD = 0`; eqs 4 to 8 in full generality are
-//! its [`UdFilter::propagate`] and [`whitening::Whitening`].
+//! The states are a *head* of `HEAD` states and a *tail* of `TAIL` states, in that order. Given the tail,
+//! head states are independent of each other: their block of U is the identity and is not stored. That holds
+//! for sensor biases as long as each measurement touches one of them and the tail gets no process noise; it
+//! makes the paper's problem (three biases, the altitude last) cheap. A filter without such structure has
+//! `HEAD = 0`; eqs 4 to 8 in full generality are its [`UdFilter::propagate`] and [`whitening::Whitening`].
 //!
 //! # Compensated state
-//! Each update moves a small `step`; [`UdFilter::fold`] adds the steps of a tick to the state and
-//! keeps what the addition lost (Kahan), so that gains of one part in millions still move it.
+//! Each update changes a small `step`; [`UdFilter::fold`] adds the steps of a tick to the state and keeps the
+//! rounding error of the addition (Kahan), so that gains of one part in millions still change the state.
 
 mod columns;
 mod covariance;
@@ -24,18 +23,18 @@ pub mod whitening;
 
 use crate::error::FilterError;
 
-/// The row of H that belongs to one scalar measurement.
+/// The row of H for one scalar measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<const TAIL: usize> {
-    /// The one head state that the measurement contains, with coefficient 1.
+    /// The single head state in the measurement, with coefficient 1.
     pub head: Option<usize>,
     /// Coefficients of the tail states.
     pub tail: [f32; TAIL],
-    /// The first tail state whose coefficient may be other than zero; every one before it is zero.
+    /// The first tail state whose coefficient may be nonzero; all coefficients before it are zero.
     pub first: usize,
 }
 
-/// Variance of one scalar measurement: positive and finite, which is checked once, here.
+/// Variance of one scalar measurement: positive and finite, checked once, here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseVariance(f32);
 
@@ -61,32 +60,32 @@ impl NoiseVariance {
     }
 }
 
-/// How far an innovation may be off before its measurement is an outlier.
+/// Largest innovation before a measurement is an outlier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gate {
     /// Largest normalised innovation squared.
     pub limit: f32,
-    /// What the innovation's variance has in it beyond one measurement's own error: correlated noise is
-    /// weighted as a larger white one, but an innovation is judged by the error of one measurement.
+    /// Part of the innovation's variance that exceeds one measurement's own error: correlated noise is
+    /// weighted as larger white noise, but an innovation is judged by the error of one measurement.
     pub excess: f32,
-    /// A measurement within the gate is judged, too, but moves nothing.
+    /// A measurement within the gate is also only judged and changes nothing.
     pub only_judges: bool,
 }
 
 impl Gate {
-    /// Whether an innovation is within: the quotient's comparison without its division.
+    /// Whether an innovation is within the gate: the comparison of the quotient without a division.
     #[inline(always)]
     pub(crate) fn admits(&self, innovation: &Innovation) -> bool {
         innovation.value * innovation.value <= self.limit * (innovation.variance - self.excess)
     }
 }
 
-/// What a scalar update found.
+/// Result of a scalar update.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
     /// Measurement minus its prediction.
     pub value: f32,
-    /// Variance of that under the filter: `H P H^T + R`.
+    /// Variance of the innovation under the filter: `H P H^T + R`.
     pub variance: f32,
 }
 
@@ -103,14 +102,14 @@ impl Innovation {
 pub struct UdFilter<const HEAD: usize, const TAIL: usize> {
     head_state: [f32; HEAD],
     tail_state: [f32; TAIL],
-    /// Steps not yet folded, with what earlier folds lost.
+    /// Steps not yet folded, with the rounding errors of earlier folds.
     head_step: [f32; HEAD],
     tail_step: [f32; TAIL],
     head_d: [f32; HEAD],
     tail_d: [f32; TAIL],
-    /// Rows of U that belong to head states, tail columns.
+    /// Rows of U of the head states, tail columns.
     cross: [[f32; TAIL]; HEAD],
-    /// Rows of U that belong to tail states; only the strict upper triangle is used.
+    /// Rows of U of the tail states; only the strict upper triangle is used.
     factor: [[f32; TAIL]; TAIL],
 }
 
@@ -118,7 +117,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
     /// A filter with uncorrelated states.
     ///
     /// # Errors
-    /// [`FilterError::NotFinite`] for a state or variance that is not, [`FilterError::NotPositive`]
+    /// [`FilterError::NotFinite`] for a state or variance that is not finite, [`FilterError::NotPositive`]
     /// for a negative variance. A variance of zero is a state known exactly.
     pub fn new(
         head: [f32; HEAD],
@@ -146,8 +145,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         })
     }
 
-    /// [`Self::new`] with all states at zero, for constants: the variances are written down where it is
-    /// called, finite and not negative.
+    /// [`Self::new`] with all states at zero, for constants: the caller must write variances that are finite
+    /// and not negative.
     pub(crate) const fn at_zero(head_variance: [f32; HEAD], tail_variance: [f32; TAIL]) -> Self {
         Self {
             head_state: [0.0; HEAD],
@@ -163,12 +162,12 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
 
     /// Takes one scalar measurement (eqs 6 to 8, one row of H at a time; Bierman's update).
     ///
-    /// `row` gives `y = x_head + tail . x_tail + v`, `noise` the variance of v. The state's new
-    /// value shows after [`Self::fold`]; later updates before that see it already.
+    /// `row` gives `y = x_head + tail . x_tail + v`, `noise` the variance of v. The state's new value is
+    /// visible after [`Self::fold`]; later updates before that already use it.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`] if the measurement or row is not finite or overflows,
-    /// [`FilterError::Shape`] if the row names a state that there is not. The filter is then unchanged.
+    /// [`FilterError::Shape`] if the row names a state that does not exist. The filter is then unchanged.
     #[inline(always)]
     pub fn update(
         &mut self,
@@ -179,9 +178,9 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         self.take::<true>(row, measurement, noise, None)
     }
 
-    /// [`Self::update`] of a measurement that is refused beyond the gate ([`FilterError::Gated`]); where it
-    /// is not `CHECKED`, numbers that are not finite go through, and the caller finds them afterwards, in
-    /// [`Self::is_finite_after`], and throws the filter away.
+    /// [`Self::update`] of a measurement that is refused beyond the gate ([`FilterError::Gated`]). If it is
+    /// not `CHECKED`, numbers that are not finite pass; the caller detects them afterwards with
+    /// [`Self::is_finite_after`] and discards the filter.
     #[inline(always)]
     pub(crate) fn take<const CHECKED: bool>(
         &mut self,
@@ -196,8 +195,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         }
         let last = TAIL - 1;
 
-        // Reads only: f = U^T h, the running innovation variance alpha, and the innovation. Nothing
-        // is written before the last of them is known to be finite.
+        // Reads only: f = U^T h, the running innovation variance alpha, and the innovation. Nothing is
+        // written before the last of them is known to be finite.
         let mut value = measurement;
         let mut head_alpha = noise.0;
         if let Some(i) = head {
@@ -226,8 +225,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         for j in first..TAIL {
             value -= row.tail[j] * self.tail_step[j];
         }
-        // D >= 0 and the noise is positive, so the variance is at least the noise: it can only fail
-        // by being NaN or infinite. The sum is finite only if both are.
+        // D >= 0 and the noise is positive, so the variance is at least the noise: it can only fail by being
+        // NaN or infinite. The sum is finite only if both are.
         let is_finite = value.abs() + variance <= f32::MAX;
         if CHECKED && !is_finite {
             return Err(FilterError::NotFinite);
@@ -244,8 +243,8 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         let inverse_variance = 1.0 / variance;
         let weighted = value * inverse_variance;
 
-        // Writes: D, U, and the unnormalised gain, column by column. The last column's part of the
-        // gain goes into the step directly, since no later column needs it.
+        // Writes: D, U, and the unnormalised gain, column by column. The last column's part of the gain goes
+        // directly into the step, because no later column needs it.
         let mut head_gain = [0.0; HEAD];
         let mut tail_gain = [0.0; TAIL];
         let mut before = head_alpha;
@@ -256,8 +255,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             self.head_d[i] *= noise.0 * inverse;
         }
         for j in first..last {
-            // In the first column only the measured head state carries a gain yet; rows without one
-            // keep their U.
+            // In the first column only the measured head state has a gain yet; rows without one keep their U.
             let lambda = -f[j] * inverse;
             for m in 0..HEAD {
                 let old = self.cross[m][j];
@@ -305,17 +303,17 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         Ok(innovation)
     }
 
-    /// Whether unchecked updates whose innovation variances add up to `variances`, and a fold after
-    /// them, met nothing but finite numbers: an innovation that is not goes into the last state
-    /// whatever its gain (0 times infinity is NaN), and nothing brings that back.
+    /// Whether unchecked updates with innovation variances that add up to `variances`, and a fold after them,
+    /// used finite numbers only: an innovation that is not finite reaches the last state whatever its gain (0
+    /// times infinity is NaN), and the state never recovers.
     #[inline(always)]
     pub(crate) fn is_finite_after(&self, variances: f32) -> bool {
         self.tail_state.last().is_some_and(|state| state.abs() + variances <= f32::MAX)
     }
 
-    /// Adds the pending steps to the state, keeping what the addition loses for the next fold.
+    /// Adds the pending steps to the state and keeps the rounding errors for the next fold.
     ///
-    /// Once a tick; updates and [`Self::shift_tail`] leave their steps pending until then.
+    /// Called once a tick; updates and [`Self::shift_tail`] leave their steps pending until then.
     #[inline(always)]
     pub fn fold(&mut self) {
         for (state, step) in self.head_state.iter_mut().zip(&mut self.head_step) {
@@ -326,7 +324,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         }
     }
 
-    /// Head states; what the last fold lost is below their rounding.
+    /// Head states; the rounding error of the last fold is below their resolution.
     #[must_use]
     pub const fn head(&self) -> &[f32; HEAD] {
         &self.head_state
@@ -338,7 +336,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         &self.tail_state
     }
 
-    /// Steps of tail states that are pending; right after [`Self::fold`], what it lost.
+    /// Pending steps of tail states; right after [`Self::fold`], its rounding errors.
     pub(crate) const fn pending_tail(&self) -> &[f32; TAIL] {
         &self.tail_step
     }
@@ -359,7 +357,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
     }
 }
 
-/// Kahan's addition: `state + step`, with what it lost left in `step`.
+/// Kahan's addition: `state + step`, with the rounding error left in `step`.
 #[inline(always)]
 fn fold_one(state: &mut f32, step: &mut f32) {
     let sum = *state + *step;

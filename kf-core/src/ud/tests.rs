@@ -1,4 +1,4 @@
-//! The filter's own invariants. Agreement with a textbook f64 filter is host-tests' business.
+//! The filter's own invariants. Agreement with a textbook f64 filter is tested in host-tests.
 
 use super::whitening::Whitening;
 use super::*;
@@ -79,7 +79,7 @@ proptest! {
         }
     }
 
-    /// What cannot be used leaves no trace.
+    /// Unusable input leaves no trace.
     #[test]
     fn a_refused_update_changes_nothing(
         bad in prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(f32::NEG_INFINITY)],
@@ -100,7 +100,7 @@ proptest! {
         prop_assert_eq!(&filter, &before);
     }
 
-    /// Process noise adds to the covariance what eq. 5 says, whichever routine adds it.
+    /// Process noise adds to the covariance as in eq. 5, whichever routine adds it.
     #[test]
     fn noise_adds_to_the_covariance(
         ys in prop::collection::vec((0_usize..4, -3.0_f32..3.0), 0..30),
@@ -146,7 +146,7 @@ fn long_row(sensor: Option<usize>, coefficients: [f32; 4]) -> Row<8> {
 }
 
 proptest! {
-    /// The updates column by column are the updates, to the bit: of eight states, with and without a gate.
+    /// The column-by-column updates equal the others to the bit: for eight states, with and without a gate.
     #[test]
     fn column_by_column_is_the_same_to_the_bit(
         steps in prop::collection::vec(
@@ -181,7 +181,7 @@ proptest! {
         }
     }
 
-    /// What cannot be used leaves no trace here either.
+    /// Unusable input leaves no trace here either.
     #[test]
     fn a_refused_update_by_columns_changes_nothing(
         bad in prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(f32::NEG_INFINITY)],
@@ -242,7 +242,7 @@ fn the_general_propagation_is_eqs_4_and_5() {
 }
 
 proptest! {
-    /// Where the transition is unit upper triangular, the short way is the general one.
+    /// If the transition is unit upper triangular, the short way equals the general one.
     #[test]
     fn the_upper_propagation_is_the_general_one(
         ys in prop::collection::vec((0_usize..4, -3.0_f32..3.0), 0..30),
@@ -343,8 +343,8 @@ fn a_state_known_exactly_stays_so_and_harms_nothing() {
     assert_eq!((filter.variance(0), filter.variance(1)), (0.0, 2.0));
 }
 
-/// About 1,000 units, f32 resolves 6e-5; towards the end of an hour at 200 Hz sigma is 1.2e-3 and a
-/// step some 1e-6. The readings rise by one half-way: plain accumulation does not notice.
+/// Near 1,000 units f32 resolves 6e-5; towards the end of an hour at 200 Hz sigma is 1.2e-3 and a step about
+/// 1e-6. The readings rise by one half-way: plain accumulation does not follow.
 #[test]
 fn the_folded_state_keeps_what_f32_would_lose() {
     let mut filter = UdFilter::<0, 1>::new([], [], [1_000.0], [1.0]).unwrap();
@@ -362,7 +362,7 @@ fn the_folded_state_keeps_what_f32_would_lose() {
         variance *= 1.0 - gain;
     }
     let sigmas = |state: f32| (f64::from(state) - exact).abs() / variance.sqrt();
-    // What is read out is rounded to half of 6e-5.
+    // The value read out is rounded to half of 6e-5.
     let read_out = 0.5 * f64::from(f32::EPSILON) * 1_024.0 / variance.sqrt();
     assert!(sigmas(filter.tail()[0]) < 0.05 + read_out, "{} sigma", sigmas(filter.tail()[0]));
     assert!(sigmas(plain) > 0.5, "the comparison must be able to fail: {} sigma", sigmas(plain));

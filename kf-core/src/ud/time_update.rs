@@ -4,7 +4,7 @@ use super::UdFilter;
 use crate::error::FilterError;
 
 impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
-    /// Adds process noise of that variance to one head state.
+    /// Adds process noise of this variance to one head state.
     ///
     /// # Errors
     /// [`FilterError::NotFinite`], [`FilterError::NotPositive`] for a negative variance,
@@ -20,12 +20,12 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         Ok(())
     }
 
-    /// Adds process noise of that variance to one tail state (rank-one update of Agee and Turner;
-    /// Bierman 1977, ch. III.7). With one direction at a time this is eq. 5 with A = I.
+    /// Adds process noise of this variance to one tail state (rank-one update of Agee and Turner; Bierman
+    /// 1977, ch. III.7). For one direction at a time this is eq. 5 with A = I.
     ///
     /// # Errors
-    /// As [`Self::add_head_noise`]; [`FilterError::Shape`] also if there are head states, which
-    /// noise on the tail would couple.
+    /// As [`Self::add_head_noise`]; [`FilterError::Shape`] also if there are head states, because noise on
+    /// the tail would couple them.
     pub fn add_tail_noise(&mut self, index: usize, variance: f32) -> Result<(), FilterError> {
         check_variance(variance)?;
         if HEAD > 0 || index >= TAIL {
@@ -34,7 +34,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
         if variance == 0.0 {
             return Ok(());
         }
-        // Overflow of any D is refused before anything is written: no D grows by more than this.
+        // An overflow of any D is refused before anything is written: no D grows by more than this.
         if !(self.variance(HEAD + index) + variance).is_finite() {
             return Err(FilterError::NotFinite);
         }
@@ -46,7 +46,7 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
             let old = self.tail_d[j];
             let new = old + weight * a * a;
             if new <= 0.0 {
-                // A state known exactly, in a direction that the noise does not touch.
+                // A state known exactly, in a direction that the noise does not affect.
                 continue;
             }
             let inverse = 1.0 / new;
@@ -64,15 +64,15 @@ impl<const HEAD: usize, const TAIL: usize> UdFilter<HEAD, TAIL> {
 
 impl<const N: usize> UdFilter<0, N> {
     /// The general propagation of eqs 4 and 5: `x = A x + B u`, `P = A P A^T + G Q G^T`, Q diagonal
-    /// (Thornton's modified weighted Gram-Schmidt; Bierman 1977, ch. VI.4). Steps that are pending
-    /// are propagated with the state.
+    /// (Thornton's modified weighted Gram-Schmidt; Bierman 1977, ch. VI.4). Pending steps are propagated with
+    /// the state.
     ///
     /// `transition` is A `[N x N]`, `input` is the product `B u` `[N]`, `noise_input` is G `[N x M]`,
     /// `noise_variance` the diagonal of Q `[M]`. A correlated Q is `U_q D_q U_q^T`: pass `G U_q`, D_q.
     ///
     /// # Errors
-    /// [`FilterError::NotFinite`] if any number is not, or becomes so; [`FilterError::NotPositive`]
-    /// for a negative noise variance. The filter is then unchanged.
+    /// [`FilterError::NotFinite`] if any number is or becomes not finite; [`FilterError::NotPositive`] for a
+    /// negative noise variance. The filter is then unchanged.
     pub fn propagate<const M: usize>(
         &mut self,
         transition: &[[f32; N]; N],
@@ -109,7 +109,7 @@ impl<const N: usize> UdFilter<0, N> {
             for i in 0..j {
                 let product = weighted_product(&own[i], &own[j], &self.tail_d)
                     + weighted_product(&noise[i], &noise[j], noise_variance);
-                // d = 0 means that row j of W has no weight: it is known exactly, and uncorrelated.
+                // d = 0: row j of W has no weight, so the state is known exactly and uncorrelated.
                 let u = if d > 0.0 { product / d } else { 0.0 };
                 next.factor[i][j] = u;
                 for k in 0..N {
@@ -128,15 +128,15 @@ impl<const N: usize> UdFilter<0, N> {
         Ok(())
     }
 
-    /// The same for a unit upper triangular A and no noise: every state moves by later ones only. Then A U is
-    /// the new U and D stays, which costs a sixth of the general propagation, and less for every zero.
+    /// The same for a unit upper triangular A without noise: every state is driven by later ones only. Then A
+    /// U is the new U and D stays, which costs a sixth of the general propagation, and less with every zero.
     ///
-    /// `transition` is the first `ROWS` rows of A, of which only what is right of the diagonal is read; below
-    /// them A is the identity.
+    /// `transition` is the first `ROWS` rows of A, of which only the part right of the diagonal is read;
+    /// below them A is the identity.
     ///
     /// # Errors
-    /// [`FilterError::Shape`] for more rows than states. [`FilterError::NotFinite`]; the filter is then of no
-    /// use any more, as nothing is copied for its sake.
+    /// [`FilterError::Shape`] for more rows than states. [`FilterError::NotFinite`]; the filter is then
+    /// unusable, because no copy of it is kept.
     pub fn propagate_upper<const ROWS: usize>(
         &mut self,
         transition: &[[f32; N]; ROWS],
@@ -144,15 +144,15 @@ impl<const N: usize> UdFilter<0, N> {
         if ROWS > N {
             return Err(FilterError::Shape);
         }
-        // Row after row: those below are still the old ones.
+        // Row after row: the rows below are still the old ones.
         for (i, by) in transition.iter().enumerate() {
             self.propagate_row(i, by)?;
         }
         Ok(())
     }
 
-    /// One row of [`Self::propagate_upper`]; all of A is its rows one after the other, from the first on,
-    /// with whatever time between them.
+    /// One row of [`Self::propagate_upper`]. All rows of A one after the other, from the first on, are the
+    /// whole propagation; the time between them does not matter.
     ///
     /// # Errors
     /// As there.
@@ -174,7 +174,7 @@ impl<const N: usize> UdFilter<0, N> {
                 *new += a * old;
             }
         }
-        // Not finite if any number that was written is not.
+        // Not finite if any number written is not finite.
         let sum = row[i + 1..].iter().fold(self.tail_state[i] + self.tail_step[i], |sum, new| sum + new);
         if sum.is_finite() { Ok(()) } else { Err(FilterError::NotFinite) }
     }

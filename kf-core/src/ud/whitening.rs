@@ -1,11 +1,11 @@
-//! Measurements with correlated noise, made into uncorrelated scalars.
+//! Measurements with correlated noise, transformed into uncorrelated scalars.
 
 use super::factorise::factorise;
 use super::{Innovation, NoiseVariance, Row, UdFilter};
 use crate::error::FilterError;
 
-/// Turns `y = H x + v`, `v ~ N(0, R)` with full R into scalars with independent noise:
-/// `R = U D U^T`, so `U^-1 v` has the diagonal covariance D (Bierman 1977, ch. II.7).
+/// Transforms `y = H x + v`, `v ~ N(0, R)` with full R into scalars with independent noise: `R = U D U^T`, so
+/// `U^-1 v` has the diagonal covariance D (Bierman 1977, ch. II.7).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whitening<const M: usize> {
     u: [[f32; M]; M],

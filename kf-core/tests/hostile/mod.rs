@@ -1,4 +1,4 @@
-//! Missions on any bits at all: what a tick brings, when, and what of it may be published.
+//! Missions on arbitrary bits: the input of a tick, its time, and what may be published.
 #![allow(clippy::unwrap_used)] // Clippy's exception for tests does not reach their helper functions.
 
 use kf_core::config::{
@@ -38,7 +38,7 @@ impl Random {
         ((self.bits() >> 40) as f32 / 16_777_216.0 - 0.5) * 3.464_101_6
     }
 
-    /// Any bits, the special values, and what a sensor may deliver when it is broken.
+    /// Arbitrary bits, the special values, and the possible output of a broken sensor.
     pub fn hostile(&mut self) -> f32 {
         const SPECIAL: [f32; 12] = [
             f32::NAN,
@@ -63,8 +63,7 @@ impl Random {
     }
 }
 
-/// The default model's noise, and four effects as states, integrated ones and one on the reference among
-/// them.
+/// The default model's noise, and four effects as states, including integrated ones and one on the reference.
 pub fn config() -> MissionConfig<4> {
     let sensor = |sigma_m, correlation_time_s, wander_m_per_sqrt_s| SensorConfig {
         sigma_m,
@@ -146,7 +145,7 @@ pub fn healthy(k: u64, random: &mut Random) -> TickInput {
     input
 }
 
-/// Makes parts of a tick hostile, one in `rarity` each.
+/// Makes parts of a tick hostile, each with a chance of one in `rarity`.
 pub fn poison(input: &mut TickInput, random: &mut Random, rarity: u64) {
     let r = random;
     if r.one_in(rarity) {
@@ -195,7 +194,7 @@ fn assert_finite(values: &[f32], output: &TickOutput) {
     assert!(values.iter().all(|value| value.is_finite()), "{output:?}");
 }
 
-/// Nothing that is published is anything but a number, and no variance is negative.
+/// Every published number must be finite, and no variance negative.
 pub fn check(output: &TickOutput, latch: Option<&LatchRecord>) {
     assert_finite(&[output.altitude_m, output.altitude_variance_m2], output);
     let optional = [output.gps_innovation_m, output.gps_signed_nis];
@@ -229,8 +228,8 @@ pub fn check(output: &TickOutput, latch: Option<&LatchRecord>) {
     }
 }
 
-/// What decides and integrates before the mission does, on the same bits: launch, and the altitude of the
-/// inertial unit.
+/// The parts that decide and integrate before the mission does, on the same bits: launch, and the altitude of
+/// the inertial unit.
 struct Before {
     launch: LaunchDetector,
     inertial: InertialAltitude,
@@ -248,7 +247,7 @@ impl Before {
         }
     }
 
-    /// A launch is final, and what is integrated is a number, whatever comes.
+    /// A launch is final, and the integrated altitude is finite, for any input.
     fn tick(&mut self, input: &mut TickInput, is_off: bool, rarity: u64, random: &mut Random) {
         let before = self.launch.state();
         if !is_off && random.one_in(20) {
@@ -286,21 +285,21 @@ impl Before {
     }
 }
 
-/// What a hostile run came to.
+/// Result of a hostile run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Came {
-    /// Missions that were begun.
+    /// Missions started.
     pub missions: u64,
-    /// Calibrations that were latched.
+    /// Calibrations latched.
     pub latched: u64,
-    /// Launches that were decided on the same bits.
+    /// Launches decided on the same bits.
     pub decided: u64,
-    /// Altitudes that were integrated from them.
+    /// Altitudes integrated from them.
     pub integrated: u64,
 }
 
-/// Flies missions on hostile input, for so many ticks in all. In every other one launch and the altitude of
-/// the UAV's inertial unit are made of the same bits.
+/// Flies missions on hostile input, for so many ticks in total. In every other one, launch and the altitude
+/// of the UAV's inertial unit are computed from the same bits.
 pub fn fly(seed: u64, ticks: u64) -> Came {
     let config = config();
     let mut random = Random(seed);
@@ -309,11 +308,11 @@ pub fn fly(seed: u64, ticks: u64) -> Came {
         came.missions += 1;
         let mut before = random.one_in(2).then(Before::new);
         let rarity = [1, 3, 30, 300, 3_000][(random.bits() % 5) as usize];
-        // Half a minute until the inertial altitude is aligned.
+        // It takes half a minute until the inertial altitude is aligned.
         let length = 200 + random.bits() % if before.is_some() { 20_000 } else { 6_000 };
         let launch = random.bits() % (length + length / 4);
         let mut mission = Flown::new(&config).unwrap();
-        // A mission begins at any time; from there its clock is to be believed, mostly.
+        // A mission may begin at any time; after that its clock is mostly right.
         let mut offset_us = if random.one_in(2) { random.bits() } else { 0 };
         for k in 0..length {
             let mut input = healthy(k, &mut random);
@@ -351,7 +350,7 @@ pub fn fly(seed: u64, ticks: u64) -> Came {
     came
 }
 
-/// What a reset makes of a mission: through its snapshot's bytes, where there is one.
+/// The mission after a reset: restored from its snapshot's bytes, if there is a snapshot.
 fn restarted(mission: Flown, config: &MissionConfig<4>) -> Flown {
     let Some(snapshot) = mission.snapshot() else { return mission };
     let mut bytes = [0; MAX_SNAPSHOT_BYTES];

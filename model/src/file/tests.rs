@@ -407,7 +407,7 @@ proptest! {
     }
 }
 
-/// What a program does about an error it finds by its type, all the way down, not in the words.
+/// A program reacts to an error's type, down to its cause, not to its wording.
 #[test]
 fn an_error_leads_to_its_cause() {
     use std::error::Error as _;

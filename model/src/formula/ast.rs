@@ -1,4 +1,4 @@
-//! What a formula is before it is compiled.
+//! Syntax tree of a formula before it is compiled.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,19 +6,19 @@ use std::ops::Range;
 use super::dimension::Dimension;
 use super::functions::Function;
 
-/// A part of a formula, and the bytes of the text that it is.
+/// A part of a formula, and its bytes in the text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
-    /// What it is.
+    /// Kind of the part.
     pub kind: Kind,
-    /// Where it is, bytes of the text.
+    /// Position, bytes of the text.
     pub span: Range<usize>,
 }
 
-/// What a part of a formula is.
+/// Kind of a part of a formula.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// A number with its unit: `20[m/s]`; without one it has none.
+    /// A number with its unit: `20[m/s]`; without brackets it has no unit.
     Number(f64, Dimension),
     /// A signal, a constant, `tau`, or another definition's id.
     Name(String),
@@ -28,7 +28,7 @@ pub enum Kind {
     Binary(Operator, Box<Expression>, Box<Expression>),
     /// A function of its arguments.
     Call(Function, Vec<Expression>),
-    /// A call of what is no function.
+    /// A call of an unknown function.
     Unknown(String),
 }
 
@@ -60,7 +60,7 @@ pub enum Operator {
 }
 
 impl Operator {
-    /// How it is written.
+    /// Its symbol in a formula.
     #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {
@@ -79,7 +79,7 @@ impl Operator {
     }
 }
 
-/// With every parenthesis and no more space than needed: two texts that say the same are written the same.
+/// Written with every parenthesis and no more space than needed: equal formulas are written the same.
 impl fmt::Display for Expression {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.kind {

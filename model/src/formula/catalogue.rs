@@ -2,12 +2,12 @@
 
 use kf_core::effect::EffectId;
 
-/// The formula of an effect of the catalogue. `tau` is its time constant, and `t` its time from launch (where
-/// the effect counts from power-on, that is `t_on`).
+/// The formula of an effect of the catalogue. `tau` is its time constant, and `t` its time from launch
+/// (`t_on` if the effect counts from power-on).
 ///
-/// They are what the estimator has compiled in, but for two: `imu.vibration` takes the variance between two
-/// samples as one line where the catalogue takes it as constant, and `imu.tilt` and `imu.gyro_bias` have no
-/// stand-in for a flight without specific force or attitude.
+/// These are the compiled-in effects of the estimator, with two exceptions: `imu.vibration` takes the
+/// variance between two samples as linear, the catalogue as constant; and `imu.tilt` and `imu.gyro_bias` have
+/// no substitute for a flight without specific force or attitude.
 #[must_use]
 pub const fn of_catalogue(effect: EffectId) -> Option<&'static str> {
     Some(match effect {

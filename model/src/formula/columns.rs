@@ -4,7 +4,7 @@ use kf_core::formula::MAX_COLUMNS;
 
 use super::dimension::Dimension;
 
-/// What the end of a column's name says of its unit: SI unit, factor and offset to it. Longest first.
+/// Units by the end of a column's name: SI unit, factor and offset to it. Longest first.
 const SUFFIXES: [(&str, &str, f64, f64); 22] = [
     ("_radps2", "rad/s^2", 1.0, 0.0),
     ("_degps", "rad/s", std::f64::consts::PI / 180.0, 0.0),
@@ -30,7 +30,7 @@ const SUFFIXES: [(&str, &str, f64, f64); 22] = [
     ("_c", "K", 1.0, 273.15),
 ];
 
-/// A column of a flight, by its name, and how it becomes a signal.
+/// A column of a flight, by its name, and its conversion to a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     name: String,
@@ -42,7 +42,7 @@ pub struct Column {
 }
 
 impl Column {
-    /// The column, with the unit that the end of its name says; without such an end it is a plain number.
+    /// The column with the unit given by the end of its name; without such an end it is a plain number.
     #[must_use]
     pub fn named(name: &str) -> Self {
         let lower = name.to_ascii_lowercase();
@@ -59,7 +59,7 @@ impl Column {
         }
     }
 
-    /// The column in that unit, whatever its name ends in.
+    /// The column in this unit, whatever the end of its name.
     #[must_use]
     pub fn declared(name: &str, dimension: Dimension) -> Self {
         let name = name.to_owned();
@@ -78,19 +78,19 @@ impl Column {
         self.dimension
     }
 
-    /// Whether neither the end of its name nor the model says its unit, so that it counts as a plain number.
+    /// Whether neither the end of its name nor the model gives its unit, so that it counts as a plain number.
     #[must_use]
     pub const fn is_guessed(&self) -> bool {
         self.is_guessed
     }
 
-    /// A cell of it in SI units.
+    /// A cell of the column in SI units.
     #[must_use]
     pub fn si(&self, cell: f32) -> f32 {
         (f64::from(cell) * self.scale + self.offset) as f32
     }
 
-    /// What is said of its unit.
+    /// Its unit and where that comes from.
     #[must_use]
     pub fn unit_said(&self) -> String {
         match (self.is_declared, self.is_guessed) {
@@ -106,12 +106,12 @@ impl Column {
     }
 }
 
-/// The columns of a model's formulas that the estimator does not know, by their numbers.
+/// The columns of a model's formulas that the estimator does not know, by number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Columns(Vec<Column>);
 
 impl Columns {
-    /// In the order of their numbers.
+    /// The columns in the order of their numbers.
     pub fn iter(&self) -> impl Iterator<Item = &Column> {
         self.0.iter()
     }
@@ -122,8 +122,8 @@ impl Columns {
         self.0.is_empty()
     }
 
-    /// A column whose unit the model says. False where it is there already in another unit, or there is no
-    /// room.
+    /// Adds a column whose unit the model gives. False if it is already there in another unit, or if there is
+    /// no room.
     pub fn declare(&mut self, name: &str, dimension: Dimension) -> bool {
         match self.0.iter().find(|column| column.name == name) {
             Some(there) => there.dimension == dimension && there.is_declared,
@@ -135,8 +135,7 @@ impl Columns {
         }
     }
 
-    /// The number and dimension of a column, which is new where it is not there yet; `None` where there is no
-    /// room.
+    /// The number and dimension of a column, which is added if it is new; `None` if there is no room.
     pub(super) fn number(&mut self, name: &str) -> Option<(u8, Dimension)> {
         let at = match self.0.iter().position(|column| column.name == name) {
             Some(at) => at,

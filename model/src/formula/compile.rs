@@ -1,4 +1,4 @@
-//! A tree to a program: names, dimensions, operations.
+//! Compiles a syntax tree to a program: names, dimensions, operations.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ const CRC: Crc<u64> = Crc::<u64>::new(&CRC_64_ECMA_182);
 /// Longest delay, seconds.
 const LONGEST_DELAY_S: f64 = 60.0;
 
-/// A formula, ready to run.
+/// A formula, compiled and ready to run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     text: String,
@@ -29,7 +29,7 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// The formula of a text; columns that the estimator does not know are added to `columns`.
+    /// The formula from a text; columns that the estimator does not know are added to `columns`.
     ///
     /// # Errors
     /// [`FormulaError`], with the place.
@@ -37,7 +37,7 @@ impl Formula {
         Self::of_expression(text, &parse(text)?, columns)
     }
 
-    /// The formula of a tree; `text` is what the spans in it are of.
+    /// The formula from a tree; its spans refer to `text`.
     ///
     /// # Errors
     /// [`FormulaError`], with the place.
@@ -101,7 +101,7 @@ impl Formula {
         &self.canonical
     }
 
-    /// Dimension of its value.
+    /// Dimension of the formula's value.
     #[must_use]
     pub const fn dimension(&self) -> Dimension {
         self.dimension
@@ -113,28 +113,28 @@ impl Formula {
         &self.program
     }
 
-    /// The signals that it reads and the estimator knows.
+    /// Signals that it reads and the estimator knows.
     #[must_use]
     pub fn signals(&self) -> &[Signal] {
         &self.signals
     }
 
-    /// The columns that it reads and the estimator does not know.
+    /// Columns that it reads and the estimator does not know.
     #[must_use]
     pub fn columns(&self) -> &[String] {
         &self.columns
     }
 
-    /// Unit of the coefficient that makes metres of it.
+    /// Unit of the coefficient that converts its value to metres.
     #[must_use]
     pub fn coefficient_unit(&self) -> Dimension {
         Dimension::METRE.over(self.dimension)
     }
 
-    /// Whether a coefficient of that unit makes metres of it.
+    /// Checks that a coefficient of this unit converts its value to metres.
     ///
     /// # Errors
-    /// [`FormulaError`] over the whole formula: what the unit would have to be.
+    /// [`FormulaError`] for the whole formula, with the unit that is needed.
     pub fn check_unit(&self, unit: &str) -> Result<(), FormulaError> {
         let whole = 0..self.text.len();
         let Some(given) = Dimension::of_unit(unit) else {
@@ -153,8 +153,8 @@ impl Formula {
         Err(FormulaError::new(&self.text, whole, message))
     }
 
-    /// A number that stands for what the formula says, whatever its layout, with the units that its columns
-    /// have, and for `beside`.
+    /// Fingerprint of the formula's meaning, whatever its layout, of the units of its columns, and of
+    /// `beside`.
     #[must_use]
     pub fn fingerprint(&self, columns: &Columns, beside: &[&str]) -> u64 {
         let mut digest = CRC.digest();
@@ -178,12 +178,12 @@ struct Compiler<'a> {
     words: usize,
 }
 
-/// What is known of a compiled part.
+/// Known properties of a compiled part.
 #[derive(Clone, Copy)]
 struct Part {
-    /// `None`: 0 or infinity of whatever is wanted, which only a bare 0 is.
+    /// `None`: 0 or infinity of any dimension; only a bare 0 has this.
     dimension: Option<Dimension>,
-    /// Its value, where it is a plain constant.
+    /// Its value, if it is a plain constant.
     constant: Option<f64>,
     /// The signals in it.
     signals: u64,
@@ -307,7 +307,7 @@ impl Compiler<'_> {
         right: &Expression,
         span: &Range<usize>,
     ) -> Compiled {
-        // Greater is less the other way round.
+        // Greater-than is less-than with the operands swapped.
         let is_swapped = matches!(operator, Operator::More | Operator::MoreOrEqual);
         let (of_left, of_right);
         if is_swapped {
@@ -446,7 +446,7 @@ impl Compiler<'_> {
         let of_x = self.part(x)?;
         let of_time = self.part(time)?;
         let dimension = of_time.dimension;
-        // A bare number is seconds: nothing else can be meant.
+        // A bare number is in seconds: no other meaning is possible.
         if dimension.is_some_and(|dimension| dimension != Dimension::SECOND && dimension != Dimension::ONE) {
             let message = format!("a time in {}, expected seconds", dimension.unwrap_or(Dimension::ONE));
             return Err(self.error(&time.span, message));
@@ -543,13 +543,13 @@ impl Compiler<'_> {
 
     /// Pushes an operation with memory.
     fn remember(&mut self, op: impl FnOnce(u8) -> Op) {
-        // What is too long for a byte is too long for a program, which is found out when all is there.
+        // A memory too large for a byte is too large for a program, which is detected at the end.
         let op = op(u8::try_from(self.words).unwrap_or(u8::MAX));
         self.words += op.memory().map_or(0, |(_, words)| words);
         self.ops.push(op);
     }
 
-    /// The number of a set of signals; without any, what changes with time.
+    /// The number of a set of signals; an empty set becomes time, which always changes.
     fn mask(&mut self, signals: u64) -> u8 {
         let signals = if signals == 0 { Signal::Time.bit() } else { signals };
         let at = self.masks.iter().position(|mask| *mask == signals).unwrap_or_else(|| {

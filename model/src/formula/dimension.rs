@@ -21,7 +21,7 @@ impl Ratio {
     const ZERO: Self = Self { numerator: 0, denominator: 1 };
     const ONE: Self = Self { numerator: 1, denominator: 1 };
 
-    /// The fraction; `None` where it is none, or out of proportion.
+    /// The fraction in lowest terms; `None` if the denominator is zero or a number is out of range.
     #[must_use]
     pub fn new(numerator: i32, denominator: i32) -> Option<Self> {
         let divisor = greatest_common_divisor(numerator.checked_abs()?, denominator.checked_abs()?);
@@ -32,7 +32,7 @@ impl Ratio {
         })
     }
 
-    /// The fraction with a denominator of at most twelve that a number is, to nine digits.
+    /// The fraction with a denominator of at most twelve that equals a number to nine digits.
     #[must_use]
     pub fn near(value: f64) -> Option<Self> {
         (1..=LARGEST_DENOMINATOR).find_map(|denominator| {
@@ -69,7 +69,7 @@ impl Ratio {
             (a, b) = (b, a % b);
         }
         let divisor = a.max(1);
-        // A text is too short to come near the bounds.
+        // Texts are too short to come near the bounds.
         let bounded = |value: i64| i32::try_from(value / divisor).unwrap_or(i32::MAX);
         Self { numerator: bounded(numerator), denominator: bounded(denominator) }
     }
@@ -98,7 +98,7 @@ const NAMES: [&str; 5] = ["m", "s", "K", "Pa", "rad"];
 pub struct Dimension([Ratio; 5]);
 
 impl Dimension {
-    /// That of a plain number.
+    /// Dimension of a plain number.
     pub const ONE: Self = Self([Ratio::ZERO; 5]);
     /// Metres.
     pub const METRE: Self = Self([Ratio::ONE, Ratio::ZERO, Ratio::ZERO, Ratio::ZERO, Ratio::ZERO]);
@@ -107,19 +107,19 @@ impl Dimension {
     /// Radians.
     pub const RADIAN: Self = Self([Ratio::ZERO, Ratio::ZERO, Ratio::ZERO, Ratio::ZERO, Ratio::ONE]);
 
-    /// Of a product.
+    /// Dimension of a product.
     #[must_use]
     pub fn times(self, other: Self) -> Self {
         Self(std::array::from_fn(|k| self.0[k].plus(other.0[k])))
     }
 
-    /// Of a quotient.
+    /// Dimension of a quotient.
     #[must_use]
     pub fn over(self, other: Self) -> Self {
         self.times(other.to_the(Ratio { numerator: -1, denominator: 1 }))
     }
 
-    /// Of a power.
+    /// Dimension of a power.
     #[must_use]
     pub fn to_the(self, exponent: Ratio) -> Self {
         Self(self.0.map(|own| own.times(exponent)))
@@ -131,7 +131,7 @@ impl Dimension {
         &self.0
     }
 
-    /// That of a unit: `1`, `m/s^2`, `1/rad`, `m^(1/2)`, `s m`. `None` for what is none.
+    /// Dimension of a unit: `1`, `m/s^2`, `1/rad`, `m^(1/2)`, `s m`. `None` if the unit is invalid.
     #[must_use]
     pub fn of_unit(unit: &str) -> Option<Self> {
         terminated(of_unit, space0).parse(unit).ok()

@@ -1,14 +1,14 @@
-//! What is wrong with a formula, and where.
+//! Errors in a formula, and their place.
 
 use std::fmt;
 use std::ops::Range;
 
-/// A formula that cannot be used. Displays as what is wrong, then the formula with carets under the place.
+/// A formula that cannot be used. Displays as the error, then the formula with carets under the place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FormulaError {
     /// What is wrong.
     pub message: String,
-    /// Bytes of the text that it is about.
+    /// The part of the text concerned, in bytes.
     pub span: Range<usize>,
     /// The formula.
     pub text: String,
@@ -22,11 +22,11 @@ impl FormulaError {
 
 impl fmt::Display for FormulaError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        /// As long as a line of a terminal takes with room beside it.
+        /// Fits into a line of a terminal with some room to spare.
         const SHOWN: usize = 96;
         let before = self.text.get(..self.span.start).unwrap_or(&self.text);
         let inside = self.text.get(self.span.clone()).unwrap_or_default();
-        // A formula over several lines is shown in one, a long one from near the place on.
+        // A formula over several lines is shown in one; a long one from near the place on.
         let flat = |text: &str| text.replace(['\n', '\r', '\t'], " ");
         let column = before.chars().count();
         let skipped = if column + 8 > SHOWN { column.saturating_sub(SHOWN / 2) } else { 0 };

@@ -20,13 +20,13 @@ macro_rules! functions {
                 match self { $(Self::$variant => $name,)* }
             }
 
-            /// How many arguments it has.
+            /// Number of its arguments.
             #[must_use]
             pub const fn arguments(self) -> usize {
                 match self { $(Self::$variant => $arguments,)* }
             }
 
-            /// What it is, for the reader.
+            /// Explanation for the reader.
             #[must_use]
             pub const fn about(self) -> &'static str {
                 match self { $(Self::$variant => $about,)* }
@@ -61,7 +61,7 @@ functions! {
 }
 
 impl Function {
-    /// The function of that name.
+    /// The function with this name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         FUNCTIONS.iter().copied().find(|function| function.name() == name)

@@ -1,8 +1,8 @@
-//! Effects by formula: text to a program that the estimator runs.
+//! Effects by formula: compiles text to a program that the estimator runs.
 //!
-//! [`Formula::compile`] is all of it: parse, check dimensions, compile. What the text may be is in
+//! [`Formula::compile`] does all of it: parse, check dimensions, compile. The language is described in
 //! `docs/effects.md`; in short, arithmetic, powers, comparisons and functions over the columns of a flight,
-//! in SI units, that comes out in metres per unit of the coefficient.
+//! in SI units, with a result in metres per unit of the coefficient.
 //!
 //! ```
 //! use kf_core::formula::{Evaluation, Frame, Signal};

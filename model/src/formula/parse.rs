@@ -1,4 +1,4 @@
-//! Text to a tree.
+//! Parses text to a syntax tree.
 
 use std::ops::Range;
 
@@ -18,13 +18,13 @@ use super::ast::{Expression, Kind, Operator};
 use super::dimension::{Dimension, of_unit};
 use super::functions::Function;
 
-/// Longest text, bytes: far more than a program holds, and little enough that nesting is no danger to the
+/// Longest text, bytes: far more than a program holds, and short enough that nesting cannot overflow the
 /// stack.
 const LONGEST: usize = 1_000;
 
 type Input<'a> = LocatingSlice<&'a str>;
 
-/// The formula of a text.
+/// Parses the formula in a text.
 ///
 /// # Errors
 /// [`FormulaError`], with the place.
@@ -196,7 +196,7 @@ fn name_or_call(input: &mut Input<'_>) -> ModalResult<Expression> {
     )
     .parse_next(input)?;
     let span = span.start..input.previous_token_end();
-    // What is no function is found out where it can be said well.
+    // An unknown function is reported where the message can be specific.
     Ok(match Function::from_name(name) {
         Some(function) => Expression { kind: Kind::Call(function, arguments), span },
         None => Expression { kind: Kind::Unknown(name.to_owned()), span },

@@ -1,4 +1,4 @@
-//! What a text becomes, what is refused, and where the refusal points.
+//! The program of a text, refused texts, and the place to which the refusal points.
 
 use kf_core::effect::EffectId;
 use kf_core::formula::{Evaluation, Frame, SIGNALS, Signal, Silent};
@@ -14,7 +14,7 @@ fn refused(text: &str) -> FormulaError {
     Formula::compile(text, &mut Columns::default()).expect_err(text)
 }
 
-/// The value of a formula at a tick at which the signals are that.
+/// The value of a formula at a tick with these signals.
 fn value(text: &str, signals: &[(Signal, f32)]) -> Result<f32, Silent> {
     let mut frame = Frame::default();
     frame.begin(0.005, false, false);
@@ -174,7 +174,7 @@ fn what_has_no_value_says_why() {
     assert_eq!(value("throttle", &[]), Err(Silent::NotYet));
     // Infinity does not come back as 0.
     assert_eq!(value("1/exp(1000*throttle)", &throttle(1.0)), Err(Silent::Overflow));
-    // A comparison with what is no number is none.
+    // A comparison with an invalid number has no value.
     assert_eq!(value("(1/throttle) > 2", &throttle(0.0)), Err(Silent::DivisionByZero));
 }
 
@@ -182,13 +182,13 @@ fn what_has_no_value_says_why() {
 fn the_catalogue_compiles_and_its_units_are_right() {
     for effect in EffectId::ALL {
         let formula = compiled(of_catalogue(effect).unwrap());
-        // The theory's effects are metres by themselves, a warm-up's a plain number times metres.
+        // The effects from theory are metres by themselves, a warm-up is a plain number times metres.
         formula.check_unit(effect.unit()).unwrap_or_else(|error| panic!("{}: {error}", effect.name()));
         assert_eq!(formula.program().has_time_constant(), effect.has_time_constant(), "{}", effect.name());
     }
 }
 
-/// Texts of the grammar, and some that are none.
+/// Texts of the grammar, and some invalid ones.
 fn formulas() -> impl Strategy<Value = String> {
     let leaf = prop_oneof![
         prop::sample::select(vec![
@@ -233,8 +233,7 @@ fn formulas() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Whatever is written and whatever is measured: no panic, and never a number that is none in result or
-    /// memory.
+    /// For any text and any measurements: no panic, and only finite numbers in result and memory.
     #[test]
     fn no_formula_gives_what_is_no_number(
         text in formulas(),
@@ -266,7 +265,7 @@ proptest! {
         }
     }
 
-    /// What is written back says the same.
+    /// A formula written back has the same meaning.
     #[test]
     fn what_is_written_reads_the_same(text in formulas()) {
         if let Ok(tree) = parse(&text) {

@@ -1,4 +1,4 @@
-//! An SPI bus with one chip on it, and what can be wrong with the wires.
+//! An SPI bus with one chip on it, and the possible faults of the wires.
 
 use core::convert::Infallible;
 
@@ -6,7 +6,7 @@ use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 
 use crate::line::noise_after;
 
-/// A chip as its bus sees it: one byte out for each byte in, between two edges of chip select.
+/// A chip as seen by its bus: one byte out for each byte in, between two edges of chip select.
 pub trait SpiChip {
     /// Chip select went low.
     fn select(&mut self, now_us: u64);
@@ -14,71 +14,71 @@ pub trait SpiChip {
     fn exchange(&mut self, now_us: u64, mosi: u8) -> u8;
     /// Chip select went high.
     fn deselect(&mut self, now_us: u64);
-    /// Power came back after a dip: everything that the chip was told is forgotten.
+    /// Power returned after a dip: the chip loses its configuration.
     fn power_on_reset(&mut self, now_us: u64);
 }
 
 /// A fault of the wires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WireFault {
-    /// MISO reads 0 whatever the chip says. The chip itself still hears.
+    /// MISO reads 0 whatever the chip sends. The chip itself still receives.
     StuckLow,
     /// MISO reads 1.
     StuckHigh,
     /// The peripheral reports an error for every transaction.
     BusError,
-    /// These bits are flipped in one byte that the chip sends, once: the byte after so many more.
+    /// These bits are flipped once, in the byte that the chip sends after `after_bytes` more.
     FlipBits {
-        /// Bytes until then.
+        /// Bytes before it.
         after_bytes: u32,
         /// The bits.
         mask: u8,
     },
     /// Whatever the chip sends arrives as noise.
     Garbage {
-        /// Its random numbers' state.
+        /// State of its random numbers.
         noise: u32,
     },
 }
 
-/// What went over a bus.
+/// Traffic on a bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {
-    /// Bytes, counted once each although they go both ways.
+    /// Bytes, counted once although they go both ways.
     pub bytes: u64,
     /// Pairs of edges of chip select.
     pub transactions: u64,
 }
 
-/// A chip on a bus of its own: the `SpiDevice` that a driver takes.
+/// A chip on its own bus: the `SpiDevice` for a driver.
 #[derive(Clone, Debug)]
 pub struct ChipOnBus<Chip> {
     /// The chip.
     pub chip: Chip,
-    /// What is wrong with the wires at present.
+    /// Present fault of the wires.
     pub fault: Option<WireFault>,
     now_us: u64,
     traffic: Traffic,
 }
 
 impl<Chip: SpiChip> ChipOnBus<Chip> {
-    /// A chip that has just got power, on sound wires, at time 0.
+    /// A chip that has just been powered, on healthy wires, at time 0.
     pub fn new(mut chip: Chip) -> Self {
         chip.power_on_reset(0);
         Self { chip, fault: None, now_us: 0, traffic: Traffic::default() }
     }
 
-    /// Sets the time of the transactions to come, microseconds: the bus has no clock of its own.
+    /// Sets the time of the following transactions, microseconds: the bus has no clock of its own.
     pub const fn set_time(&mut self, now_us: u64) {
         self.now_us = now_us;
     }
 
-    /// Power dips, now.
+    /// Simulates a dip of the supply now.
     pub fn power_dip(&mut self) {
         self.chip.power_on_reset(self.now_us);
     }
 
-    /// What went over the bus so far.
+    /// Traffic on the bus so far.
     pub const fn traffic(&self) -> Traffic {
         self.traffic
     }

@@ -1,47 +1,46 @@
-//! What a chip makes of its surroundings when something inside it is wrong: its results, not its wires.
+//! Faults inside a chip that affect its results, not its wires.
 
-/// Channels that a chip has at most: the inertial unit's six.
+/// Largest number of channels of a chip: the inertial unit's six.
 pub const CHANNELS: usize = 6;
 
-/// What is wrong with a chip's results at present. A channel is a place in the order in which the model has
-/// its quantities.
+/// Present faults of a chip's results. A channel is an index into the model's quantities.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Disturbance {
-    /// Every result is the last one before this began, and is said to be new.
+    /// Every result repeats the last one before this began, and is reported as new.
     pub frozen: bool,
-    /// An error of one channel's physical quantity. The chip stops at the end of its range, as always.
+    /// An error of one channel's physical quantity. The chip saturates at the end of its range, as always.
     pub offset: Option<Offset>,
-    /// Bits of one channel's result that are flipped.
+    /// Flipped bits of one channel's result.
     pub flip: Option<Flip>,
 }
 
 /// An error of a physical quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Offset {
-    /// Of which channel.
+    /// The channel.
     pub channel: usize,
-    /// How much, in the quantity's unit.
+    /// Size, in the quantity's unit.
     pub by: f32,
-    /// Results that it is still in.
+    /// Number of results still affected.
     pub results: u32,
 }
 
 /// Flipped bits of a result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Flip {
-    /// Of which channel.
+    /// The channel.
     pub channel: usize,
     /// The bits.
     pub mask: u32,
-    /// Results that they are still flipped in.
+    /// Number of results still affected.
     pub results: u32,
 }
 
 impl Disturbance {
-    /// Nothing is wrong.
+    /// No fault.
     pub const NONE: Self = Self { frozen: false, offset: None, flip: None };
 
-    /// The error of one channel, which is about to be measured.
+    /// The error of one channel for the measurement that follows.
     pub fn error(&mut self, channel: usize) -> f32 {
         match &mut self.offset {
             Some(offset) if offset.channel == channel && offset.results > 0 => {
@@ -52,7 +51,7 @@ impl Disturbance {
         }
     }
 
-    /// The bits of one channel's result that are flipped; it is about to be given.
+    /// The flipped bits of one channel for the result that follows.
     pub fn flipped(&mut self, channel: usize) -> u32 {
         match &mut self.flip {
             Some(flip) if flip.channel == channel && flip.results > 0 => {

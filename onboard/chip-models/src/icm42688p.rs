@@ -1,6 +1,6 @@
-//! ICM-42688-P inertial unit (TDK InvenSense DS-000347, revision 1.6; section numbers are its): user bank 0,
-//! the sample path and the interrupt status. Other banks read as zero, and the FIFO is not modelled. Of the
-//! filter before the samples there is what it leaves of a [`Vibration`]: the motion is taken to be slow.
+//! ICM-42688-P inertial unit (TDK InvenSense DS-000347, revision 1.6; section numbers refer to it): user bank
+//! 0, the sample path and the interrupt status. Other banks read as zero, and the FIFO is not modelled. The
+//! filter before the samples acts on a [`Vibration`] only; the motion is assumed to be slow.
 
 use crate::bus::SpiChip;
 use crate::disturbance::Disturbance;
@@ -25,11 +25,11 @@ const DATA_READY: u8 = 0x08;
 /// INTF_CONFIG0: the samples' high bytes come first (14.33).
 const BIG_ENDIAN: u8 = 0x10;
 
-/// After a reset, microseconds (14.1).
+/// Duration of a reset, microseconds (14.1).
 const RESET_US: u64 = 1_000;
-/// No register may be written for so long after a sensor was switched on, microseconds (14.36).
+/// Time after switching a sensor on in which no register may be written, microseconds (14.36).
 const QUIET_US: u64 = 200;
-/// Until the gyro gives samples, microseconds (14.36).
+/// Time until the gyro delivers samples, microseconds (14.36).
 const START_US: u64 = 45_000;
 /// Standard gravity, m/s^2.
 const GRAVITY_MPS2: f32 = 9.806_65;
@@ -62,15 +62,15 @@ const RESET_VALUES: [(u8, u8); 21] = [
 /// The chip.
 #[derive(Clone, Debug)]
 pub struct Icm42688pModel<Surroundings> {
-    /// What it is subject to, sampled at the chip's own rate.
+    /// The motion that it is subject to, sampled at the chip's own rate.
     pub motion: Surroundings,
-    /// Its registers stay what they are: the sample path has stopped.
+    /// The sample path has stopped: its registers no longer change.
     pub stalled: bool,
-    /// What is wrong with its results: specific force and rate, in the order of the axes.
+    /// Errors of its results: specific force and rate, in the order of the axes.
     pub disturbance: Disturbance,
-    /// How the airframe shakes it, beside its motion; nothing else goes through the model of its filter.
+    /// Vibration of the airframe, added to the motion; only this goes through the model of its filter.
     pub vibration: Option<Vibration>,
-    /// Writes that the datasheet forbids, within 200 us of switching a sensor on: the chip has ignored them.
+    /// Writes that the datasheet forbids, within 200 us of switching a sensor on. The chip has ignored them.
     pub forbidden_writes: u32,
     registers: [u8; 128],
     ready_us: u64,
@@ -102,7 +102,7 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         }
     }
 
-    /// A register of bank 0, to look at or to damage. An address has 7 bits.
+    /// A register of bank 0, to inspect or to corrupt. An address has 7 bits.
     pub const fn register_mut(&mut self, address: u8) -> &mut u8 {
         &mut self.registers[(address & 0x7F) as usize]
     }
@@ -121,8 +121,8 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         self.samples_from_us = None;
     }
 
-    /// Counts of this motion with the ranges that are set, to the nearest; the ends of the range hold what is
-    /// beyond. Temperature, specific force, rate: the order of the registers.
+    /// Nearest counts of this motion with the configured ranges; values beyond a range saturate. In the
+    /// registers' order: temperature, specific force, rate.
     pub fn raw(&self, motion: Motion) -> [i16; 7] {
         let halved = |config: u8| f32::from(1u16 << (self.register(config) >> 5).min(7));
         let per_mps2 = 32_768.0 / (16.0 * GRAVITY_MPS2) * halved(ACCEL_CONFIG0);
@@ -132,7 +132,7 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         [counts((motion.temperature_c - 25.0) * 132.48), ax, ay, az, gx, gy, gz]
     }
 
-    /// Period of the samples, microseconds, of the ODR field (14.37, 14.38).
+    /// Period of the samples by the ODR field, microseconds (14.37, 14.38).
     fn period_us(&self) -> u64 {
         match self.register(GYRO_CONFIG0) & 0xF {
             0x3 => 125,
@@ -148,8 +148,8 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         }
     }
 
-    /// The low pass before the samples (14.39 to 14.41): UI_FILT_BW as a part of the ODR, at least 400 Hz of
-    /// it.
+    /// The low pass before the samples (14.39 to 14.41). UI_FILT_BW is a fraction of the ODR, or of 400 Hz if
+    /// that is higher.
     fn filter(&self, is_gyro: bool) -> LowPass {
         let bandwidths = self.register(GYRO_ACCEL_CONFIG0);
         let (field, order) = if is_gyro {
@@ -172,7 +172,7 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
         LowPass { order: order.min(2) + 1, bandwidth_hz: filtered_hz / part }
     }
 
-    /// The motion with what is wrong with the chip, and with the airframe's vibration behind the filter.
+    /// The motion with the chip's errors and with the airframe's vibration after the filter.
     fn disturbed(&mut self, mut motion: Motion, sample_us: u64) -> Motion {
         let shaken = self.vibration.map(|vibration| {
             let filter = self.filter(vibration.channel >= 3);
@@ -189,7 +189,7 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
     }
 
     fn make_sample(&mut self, now_us: u64) {
-        // A sensor that is switched off by a flipped bit starts anew, once it is on again.
+        // A sensor that a flipped bit has switched off starts again once it is on again.
         if self.register(PWR_MGMT0) & 0xF != 0xF {
             self.samples_from_us = None;
         }
@@ -249,10 +249,10 @@ impl<Surroundings: Source<Motion>> Icm42688pModel<Surroundings> {
     }
 }
 
-/// The nearest count; a 16-bit converter stops at its ends.
+/// The nearest count; a 16-bit converter saturates.
 fn counts(value: f32) -> i16 {
     let nearest = if value < 0.0 { value - 0.5 } else { value + 0.5 };
-    // A cast of a float saturates, and cuts off what follows the point.
+    // A cast of a float saturates and truncates.
     nearest as i16
 }
 

@@ -1,34 +1,34 @@
-//! A serial line from a device to the flight computer, and what can be wrong with it.
+//! A serial line from a device to the flight computer, and its faults.
 
 use heapless::Deque;
 
-/// What waits in the UART's buffer of the flight computer.
+/// Size of the UART's buffer in the flight computer.
 const BUFFER_BYTES: usize = 512;
-/// What waits in the device: room for what a receiver says at one epoch.
+/// Size of the device's send buffer: room for a receiver's output of one epoch.
 const DEVICE_BYTES: usize = 1_024;
 
-/// What is wrong with a line at present.
+/// Present faults of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LineFaults {
-    /// Nothing passes, either way.
+    /// Nothing passes in either direction.
     pub unplugged: bool,
-    /// Bytes to lose, counted down: the next ones that the device sends.
+    /// Number of bytes still to lose, beginning with the next that the device sends.
     pub lose_bytes: u32,
-    /// A byte to damage: after so many more, these bits.
+    /// A byte to corrupt: the number of bytes before it, and the bits to flip.
     pub flip_bits: Option<(u32, u8)>,
-    /// Nothing that is sent passes, and noise arrives, as many bytes as the line carries: its random numbers'
-    /// state.
+    /// Noise replaces everything that is sent, with as many bytes as the line carries. The value is the state
+    /// of its random numbers.
     pub noise: Option<u32>,
 }
 
 /// The line.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// What is wrong at present.
+    /// Present faults.
     pub faults: LineFaults,
-    /// Bytes that the flight computer was too slow to take.
+    /// Bytes lost because the flight computer read too slowly.
     pub overrun_bytes: u32,
-    /// Bytes that the device had no room for.
+    /// Bytes lost because the device's buffer was full.
     pub unsent_bytes: u32,
     baud: u32,
     free_ns: u64,
@@ -50,15 +50,14 @@ impl Line {
         }
     }
 
-    /// Gives the device a byte to send. One whose buffer is full drops what it cannot send, and that is
-    /// counted.
+    /// Gives the device a byte to send. If the buffer is full, the byte is dropped and counted.
     pub fn send(&mut self, byte: u8) {
         if self.outgoing.push_back(byte).is_err() {
             self.unsent_bytes = self.unsent_bytes.saturating_add(1);
         }
     }
 
-    /// Whether the device has room for a message; one that has not drops it as a whole, and that is counted.
+    /// Whether the device has room for a message. If not, the whole message counts as dropped.
     pub fn has_room(&mut self, bytes: usize) -> bool {
         let has_room = self.outgoing.len() + bytes <= DEVICE_BYTES;
         if !has_room {
@@ -68,7 +67,7 @@ impl Line {
         has_room
     }
 
-    /// From now on it carries at another speed, in baud; what is on it is gone.
+    /// Changes the speed, in baud. Bytes not yet sent are lost.
     pub fn set_baud(&mut self, baud: u32) {
         self.baud = baud;
         self.cut();
@@ -79,13 +78,13 @@ impl Line {
         self.baud
     }
 
-    /// Lets time pass, microseconds, never backward.
+    /// Lets time pass up to `now_us`, microseconds, which never goes backward.
     pub fn carry_until(&mut self, now_us: u64) {
         let now_ns = now_us.saturating_mul(1_000);
         // A start bit, 8 bits, a stop bit.
         let byte_time_ns = 10_000_000_000 / u64::from(self.baud.max(1));
         if self.faults.noise.is_some() {
-            // Of a long time only what finds room is of interest.
+            // After a long time, only as much as fits in the buffer matters.
             let room_ns = (BUFFER_BYTES as u64).saturating_mul(byte_time_ns);
             self.free_ns = self.free_ns.max(now_ns.saturating_sub(room_ns));
         }
@@ -108,12 +107,12 @@ impl Line {
         }
     }
 
-    /// The device has lost its power: what it was about to send is gone.
+    /// The device has lost its power: bytes not yet sent are lost.
     pub fn cut(&mut self) {
         self.outgoing.clear();
     }
 
-    /// Takes what has arrived, as far as there is room; says how many bytes.
+    /// Takes the bytes that have arrived, as far as there is room. Returns their number.
     pub fn read(&mut self, buffer: &mut [u8]) -> usize {
         let mut count = 0;
         for slot in buffer {
@@ -124,12 +123,12 @@ impl Line {
         count
     }
 
-    /// Whether anything has.
+    /// Whether any byte has arrived.
     pub fn has_arrived(&self) -> bool {
         !self.arrived.is_empty()
     }
 
-    /// Lets time pass in which nothing is carried: the line was not there.
+    /// Lets time pass in which nothing is carried, because the line did not exist.
     pub fn skip_until(&mut self, now_us: u64) {
         self.free_ns = self.free_ns.max(now_us.saturating_mul(1_000));
     }
@@ -160,7 +159,7 @@ impl Line {
     }
 }
 
-/// The next of a sequence of random numbers: Numerical Recipes' "quick" generator, whose high bits do for
+/// The next random number of a sequence: Numerical Recipes' "quick" generator, whose high bits suffice for
 /// noise.
 pub(crate) const fn noise_after(state: u32) -> u32 {
     state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)

@@ -1,18 +1,18 @@
-//! A port whose other end is a model, for what measures a driver: the model's work must not count as the
-//! driver's.
+//! Ports that report when the model behind them works. A measurement of a driver can then exclude the model's
+//! work.
 
 use embedded_hal::spi::{ErrorType as SpiErrorType, Operation, SpiDevice};
 use embedded_io::{ErrorType, Read, ReadReady, Write, WriteReady};
 
-/// Is told when a model works.
+/// An observer that is notified when a model works.
 pub trait WorkObserver {
-    /// A model begins. What is returned comes back at its end.
+    /// A model begins to work. The returned value is passed to [`Self::end`].
     fn begin(&mut self) -> u32;
-    /// It has ended.
+    /// The model has finished.
     fn end(&mut self, begun: u32);
 }
 
-/// Nobody looks.
+/// No observation.
 impl WorkObserver for () {
     fn begin(&mut self) -> u32 {
         0
@@ -21,7 +21,7 @@ impl WorkObserver for () {
     fn end(&mut self, _begun: u32) {}
 }
 
-/// A port that tells an observer when its model works.
+/// A port that notifies an observer when its model works.
 #[derive(Clone, Debug)]
 pub struct Metered<Port, Observer> {
     /// The model.
@@ -30,7 +30,7 @@ pub struct Metered<Port, Observer> {
 }
 
 impl<Port, Observer: WorkObserver> Metered<Port, Observer> {
-    /// A port under observation.
+    /// A port with an observer.
     pub const fn new(port: Port, observer: Observer) -> Self {
         Self { port, observer }
     }
@@ -54,13 +54,13 @@ impl<Port: SpiDevice, Observer: WorkObserver> SpiDevice for Metered<Port, Observ
     }
 }
 
-/// A serial port under observation: apart from [`Metered`], because both traits of errors have the same name
-/// for theirs.
+/// A serial port with an observer. It is separate from [`Metered`] because the error types of both traits
+/// have the same name.
 #[derive(Clone, Debug)]
 pub struct MeteredUart<Port, Observer>(pub Metered<Port, Observer>);
 
 impl<Port, Observer: WorkObserver> MeteredUart<Port, Observer> {
-    /// A port under observation.
+    /// A port with an observer.
     pub const fn new(port: Port, observer: Observer) -> Self {
         Self(Metered::new(port, observer))
     }

@@ -9,7 +9,7 @@ use embedded_io::{ErrorType, Read, ReadReady};
 
 use crate::line::Line;
 
-/// Identity, and the byte that its definition adds to the checksum.
+/// Message id, and the byte that the message's definition adds to the checksum.
 const HEARTBEAT: (u32, u8) = (0, 50);
 const ALTITUDE: (u32, u8) = (141, 47);
 /// MAV_TYPE_FIXED_WING, MAV_AUTOPILOT_INVALID, no mode, MAV_STATE_ACTIVE, MAVLink 2.
@@ -18,41 +18,41 @@ const HEARTBEAT_US: u64 = 1_000_000;
 /// MAV_COMP_ID_AUTOPILOT1.
 const COMPONENT: u8 = 1;
 
-/// Time from one altitude of a stranger to the next, microseconds.
+/// Time between two altitudes of another system, microseconds.
 const STRANGER_US: u64 = 100_000;
 
-/// What is wrong with what is sent.
+/// Faults of the mother ship's messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum MotherShipFault {
-    /// Nothing.
+    /// No fault.
     #[default]
     None,
     /// The mother ship sends nothing.
     Silent,
     /// Another system sends altitudes too.
     Stranger {
-        /// Its MAVLink system.
+        /// MAVLink system id of the other system.
         system: u8,
-        /// Its component.
+        /// Its component id.
         component: u8,
-        /// What it sends, metres.
+        /// Altitude that it sends, metres.
         altitude_m: f32,
     },
-    /// The mother ship's altitude is wrong by so much, metres.
+    /// The mother ship's altitude has an error.
     Lies {
-        /// Too high by.
+        /// Error, positive upward, metres.
         by_m: f32,
     },
-    /// She sends one altitude for ever.
+    /// She sends the same altitude for ever.
     Holds,
 }
 
 /// The mother ship and the line to the UAV.
 #[derive(Clone, Debug)]
 pub struct MotherShipModel {
-    /// The line.
+    /// The line to the UAV.
     pub line: Line,
-    /// What is wrong at present.
+    /// Present fault.
     pub fault: MotherShipFault,
     system: u8,
     sequence: u8,
@@ -60,7 +60,7 @@ pub struct MotherShipModel {
     now_us: u64,
     next_heartbeat_us: u64,
     next_stranger_us: u64,
-    /// The last altitude that she sent, metres.
+    /// The last altitude sent, metres.
     sent_m: Option<f32>,
 }
 
@@ -80,8 +80,8 @@ impl MotherShipModel {
         }
     }
 
-    /// Whether the line's other end is there. From separation on nobody sends, and what was about to be sent
-    /// is gone.
+    /// Sets whether the other end of the line is connected. After separation nothing is sent, and bytes not
+    /// yet sent are lost.
     pub fn set_attached(&mut self, is_attached: bool) {
         self.is_attached = is_attached;
         if !is_attached {
@@ -89,7 +89,7 @@ impl MotherShipModel {
         }
     }
 
-    /// Lets time pass, microseconds, never backward.
+    /// Lets time pass up to `now_us`, microseconds, which never goes backward.
     pub fn set_time(&mut self, now_us: u64) {
         self.now_us = now_us;
         if self.next_heartbeat_us <= now_us {
@@ -107,8 +107,8 @@ impl MotherShipModel {
         self.line.carry_until(now_us);
     }
 
-    /// It has computed an inertial altitude, metres above mean sea level, and sends it. What it has no value
-    /// for is NaN.
+    /// Sends an inertial altitude that the mother ship has computed, metres above mean sea level. Fields
+    /// without a value are NaN.
     pub fn navigate(&mut self, altitude_m: f32) {
         let altitude_m = match self.fault {
             MotherShipFault::Silent => return,
@@ -131,7 +131,7 @@ impl MotherShipModel {
         self.send(sender, ALTITUDE, &payload);
     }
 
-    /// A frame of MAVLink 2; zeros at the end of its payload are left out, but for the first byte.
+    /// Sends a MAVLink 2 frame. Zeros at the end of its payload are left out, except for the first byte.
     fn send(&mut self, (system, component): (u8, u8), (identity, extra): (u32, u8), payload: &[u8]) {
         if !self.is_attached {
             return;
@@ -152,7 +152,7 @@ impl MotherShipModel {
     }
 }
 
-/// CRC-16/MCRF4XX (the guide's "X.25"), a bit at a time.
+/// CRC-16/MCRF4XX (the guide's "X.25"), computed bit by bit.
 struct Crc16(u16);
 
 impl Crc16 {
@@ -206,7 +206,7 @@ mod tests {
         frame.raw_bytes().to_vec()
     }
 
-    /// The frames are the `mavlink` crate's, byte for byte.
+    /// The frames equal the `mavlink` crate's, byte for byte.
     #[test]
     fn frames_are_those_of_the_crate() {
         let mut model = MotherShipModel::new(7, 115_200);

@@ -24,18 +24,18 @@ enum Conversion {
 pub struct Ms5611Model<Surroundings> {
     /// The air around it, sampled in the middle of each conversion.
     pub air: Surroundings,
-    /// The calibration memory, CRC included; a test may damage it.
+    /// The calibration memory, CRC included. A test may corrupt it.
     pub prom: [u16; 8],
-    /// Time that each conversion takes beyond the longest of the datasheet, microseconds.
+    /// Time by which each conversion exceeds the datasheet's longest, microseconds.
     pub slower_by_us: u64,
     /// No conversion ever ends.
     pub stalled: bool,
-    /// Conversions that never end, counted down: the next ones.
+    /// Number of conversions that never end, beginning with the next one.
     pub lose_conversions: u32,
-    /// Bits of a byte of the calibration memory that read wrong: the byte from C0's first one on, and the
-    /// bits.
+    /// Bits of one byte of the calibration memory that read wrong: the byte's index, counted from C0's first
+    /// byte, and the bits.
     pub prom_flip: Option<(u8, u8)>,
-    /// What is wrong with its results: pressure (Pa, or bits of D1), temperature (degrees, or bits of D2).
+    /// Errors of its results: pressure (Pa, or bits of D1), temperature (degrees, or bits of D2).
     pub disturbance: Disturbance,
     last: [u32; 2],
     conversion: Conversion,
@@ -123,7 +123,8 @@ impl<Surroundings: Source<Air>> Ms5611Model<Surroundings> {
         self.conversion = Conversion::Running { result, done_us: now_us + length_us, spoiled: false };
     }
 
-    /// "Conversion sequence": 0 before the end, and that read spoils the conversion; 0 when read again.
+    /// "Conversion sequence": reads 0 before the end, which also spoils the conversion; reads 0 the second
+    /// time.
     fn answer_conversion(&mut self, now_us: u64) {
         match &mut self.conversion {
             Conversion::None => {}
@@ -168,8 +169,8 @@ impl<Surroundings: Source<Air>> Ms5611Model<Surroundings> {
     }
 }
 
-/// The dT whose temperature after the second order, dT C6 / 2^23 - dT^2 / 2^31, is nearest (below 20 degrees
-/// it rises with dT).
+/// The dT whose temperature with second-order compensation, dT C6 / 2^23 - dT^2 / 2^31, is nearest. Below 20
+/// degrees it rises with dT.
 fn second_order_dt(above_q31: i64, c6: i64) -> i64 {
     let temperature = |dt: i64| dt * (c6 << 8) - dt * dt;
     let (mut low, mut high) = (-1 << 24, 0);
@@ -189,7 +190,7 @@ const fn rounded(dividend: i64, divisor: i64) -> i64 {
     (dividend + divisor / 2).div_euclid(divisor)
 }
 
-/// What a 24-bit converter makes of a number: it stops at its ends. 0 means "no result" and is never a value.
+/// Output of a 24-bit converter: it saturates. 0 means "no result" and is never a value.
 fn counts(value: i64) -> u32 {
     u32::try_from(value.clamp(1, 0xFF_FFFF)).unwrap_or(1)
 }
@@ -247,7 +248,7 @@ mod tests {
         assert_eq!(crc4(&[0x3132, 0x3334, 0x3536, 0x3738, 0x3940, 0x4142, 0x4344, 0x450B]), 0xB);
     }
 
-    /// The datasheet's example (20.07 degrees, 1000.09 mbar), its fractions kept, backward.
+    /// The datasheet's example (20.07 degrees, 1000.09 mbar) backward, with its fractions kept.
     #[test]
     fn the_datasheets_example() {
         let (d1, d2) = (9_085_466.0f64, 8_569_150.0);

@@ -1,6 +1,6 @@
-//! What surrounds a chip.
+//! The surroundings of a chip.
 
-/// A physical quantity by time. Closures are sources: `|time_us| Air { .. }`.
+/// A physical quantity as a function of time. Closures are sources: `|time_us| Air { .. }`.
 pub trait Source<Quantity> {
     /// The quantity at a time, microseconds by the flight computer's clock.
     fn at(&mut self, time_us: u64) -> Quantity;
@@ -12,7 +12,7 @@ impl<Quantity, Function: FnMut(u64) -> Quantity> Source<Quantity> for Function {
     }
 }
 
-/// A quantity that stays what it was last set to: for a flight that is replayed sample by sample.
+/// A quantity that keeps its last set value, for replaying a flight sample by sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held<Quantity>(pub Quantity);
 
@@ -31,7 +31,7 @@ pub struct Air {
     pub temperature_c: f32,
 }
 
-/// What an inertial unit is subject to, in the chip's own axes.
+/// The motion that an inertial unit is subject to, in the chip's own axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     /// Specific force, m/s^2.

@@ -1,5 +1,5 @@
-//! A vibration of the airframe, as a sampled inertial unit has it: behind the chip's filter, and at the
-//! chip's samples alone.
+//! A vibration of the airframe as an inertial unit samples it: after the chip's filter, and only at the
+//! chip's samples.
 
 use kf_core::trigonometry::sine_and_cosine;
 
@@ -14,7 +14,7 @@ pub struct Vibration {
     pub amplitude: f32,
 }
 
-/// A low pass, by its amplitude: order and -3 dB frequency of a Butterworth filter.
+/// A low pass described by its amplitude: order and -3 dB frequency of a Butterworth filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LowPass {
     /// Order.
@@ -24,7 +24,7 @@ pub struct LowPass {
 }
 
 impl LowPass {
-    /// What it leaves of a sinusoid's amplitude.
+    /// Fraction of a sinusoid's amplitude that it passes.
     #[must_use]
     pub fn gain(self, frequency_hz: f32) -> f32 {
         let ratio = frequency_hz / self.bandwidth_hz;
@@ -34,11 +34,11 @@ impl LowPass {
 }
 
 impl Vibration {
-    /// What the filter has of it at a time, microseconds. The filter's delay only shifts its phase, and is
-    /// left out.
+    /// The filtered vibration at a time, microseconds. The filter's delay only shifts its phase, and is left
+    /// out.
     #[must_use]
     pub fn at(self, time_us: u64, filter: LowPass) -> f32 {
-        // Thousandths of a millionth of a turn: whole ones go, so that an hour later the phase is as exact.
+        // Billionths of a turn. Whole turns are removed, so that the phase is as exact an hour later.
         let turns = (u128::from(time_us) * u128::from(self.frequency_mhz)) % 1_000_000_000;
         let turn = turns as f32 * 1e-9;
         // Within half a turn of zero, where the sine is most exact.
@@ -59,7 +59,7 @@ mod tests {
         for order in 1..=3u8 {
             let filter = LowPass { order, bandwidth_hz: 25.0 };
             assert!((filter.gain(25.0) - 0.5f32.sqrt()).abs() < 1e-6);
-            // An order falls 6 dB an octave.
+            // Each order falls by 6 dB an octave.
             let octave = filter.gain(800.0) / filter.gain(1_600.0);
             assert!((octave - f32::from(1u16 << order)).abs() < 0.01, "{octave}");
         }

@@ -32,7 +32,7 @@ impl Driver for Chip {
 
 impl Bench<Chip> {
     fn new(trimming: Trimming, air: Air) -> Self {
-        // Not on the chip's own raster, so that no tick coincides with the end of a conversion.
+        // Off the chip's own raster, so that no tick coincides with the end of a conversion.
         Self::at(1_300, Bmp390::new(ChipOnBus::new(Bmp390Model::new(trimming, Held(air)))))
     }
 
@@ -42,7 +42,7 @@ impl Bench<Chip> {
         bench
     }
 
-    /// Samples come again, and right, within a quarter of a second.
+    /// Correct samples come again within a quarter of a second.
     fn assert_recovers(&mut self) {
         self.mend();
         for _ in 0..20 {
@@ -81,7 +81,7 @@ proptest! {
         let mut bench = Bench::new(trimming, air);
         let (pressure, temperature) = bench.next(40).unwrap();
         // Half a count of pressure (at most 0.02 Pa here: (P1 - 2^14) / 2^20), f32 in and out (1/128 Pa), and
-        // the temperature's cut to 2^-20 degrees times 500 Pa a degree of the offset.
+        // the temperature's truncation to 2^-20 degrees times 500 Pa a degree of the offset.
         prop_assert!((pressure - pressure_pa).abs() <= 0.010 + 1.0 / 128.0 + 0.001, "{pressure} {pressure_pa}");
         // One count of temperature is T2 / 2^30 = 1.8e-5 degrees; f32 at 85 degrees: 8e-6.
         prop_assert!((temperature - temperature_c).abs() <= 2e-5, "{temperature} {temperature_c}");
@@ -133,7 +133,7 @@ fn a_register_that_changes_is_found() {
         *bench.driver.bus_mut().chip.register_mut(register) ^= bit;
         assert_eq!(bench.next_error(8 * 8 + 1), SensorError::ConfigurationLost, "{register:#x}");
         assert_eq!(bench.driver.health().asked_again, 1, "wrong twice is wrong");
-        // The board's wait for the bus is made of this bound: it is no larger than it has to be.
+        // The board's wait for the bus is derived from this bound, so the bound must be exact.
         assert_eq!(bench.most_moved, MAX_POLL_BYTES);
         bench.assert_recovers();
     }

@@ -47,7 +47,7 @@ impl Bench<Chip> {
         bench
     }
 
-    /// A sample every tick again, and right, within a quarter of a second.
+    /// A correct sample every tick again within a quarter of a second.
     fn assert_recovers(&mut self) {
         self.mend();
         for _ in 0..20 {
@@ -73,7 +73,7 @@ fn any_config() -> impl Strategy<Value = Config> {
 }
 
 proptest! {
-    /// Every range: what goes in comes out within half a count.
+    /// For every range, what goes in comes out within half a count.
     #[test]
     fn what_goes_in_comes_out(
         config in any_config(),
@@ -141,8 +141,7 @@ fn a_reset_in_flight_is_found_at_once_and_configured_anew() {
     assert_eq!(bench.driver.health().initialisations, 2);
 }
 
-/// A reset in flight costs what a start costs: the driver does not wait before it resets the chip in its
-/// turn.
+/// A reset in flight costs as much as a start: the driver does not wait before it resets the chip again.
 #[test]
 fn after_a_reset_in_flight_samples_come_as_soon_as_after_a_start() {
     let polls_to_a_sample = |bench: &mut Bench<Chip>| (1..).find(|_| bench.poll().unwrap().is_some());
@@ -174,7 +173,7 @@ fn a_flipped_read_back_costs_nothing() {
     }
 }
 
-/// Nor does one that says that the chip was reset.
+/// Nor does a flipped bit that reports a reset of the chip.
 #[test]
 fn a_flipped_status_costs_nothing() {
     let mut bench = Bench::running();
@@ -185,8 +184,8 @@ fn a_flipped_status_costs_nothing() {
     assert_eq!((bench.driver.health().asked_again, bench.driver.health().initialisations), (1, 1));
 }
 
-/// A bit that flips in the chip: no sample that was made with it is taken, one is lost, and it is written
-/// again.
+/// A bit that flips in the chip: no sample made with it is used, one sample is lost, and the register is
+/// written again.
 #[test]
 fn a_register_that_changes_costs_one_sample() {
     for register in 0x4C..=0x53u8 {
@@ -194,7 +193,7 @@ fn a_register_that_changes_costs_one_sample() {
             let mut bench = Bench::running();
             *bench.driver.bus_mut().chip.register_mut(register) ^= 1 << bit;
             assert_eq!(bench.poll(), Err(SensorError::ConfigurationLost), "{register:#x}, bit {bit}");
-            // The sensors that were switched off start anew: 45 ms.
+            // Sensors that were switched off start again: 45 ms.
             let switched_off = register == 0x4E && bit < 4;
             let polls = (1..).find(|_| bench.poll().unwrap().is_some()).unwrap();
             assert!(polls <= if switched_off { 12 } else { 1 }, "{register:#x}, bit {bit}: {polls}");
@@ -204,7 +203,7 @@ fn a_register_that_changes_costs_one_sample() {
     }
 }
 
-/// All of them at once.
+/// All registers at once.
 #[test]
 fn several_registers_that_change_are_mended_at_once() {
     let mut bench = Bench::running();
@@ -212,13 +211,13 @@ fn several_registers_that_change_are_mended_at_once() {
         *bench.driver.bus_mut().chip.register_mut(register) ^= 0x03;
     }
     assert_eq!(bench.next_error(1), SensorError::ConfigurationLost);
-    // The board's wait for the bus is made of this bound: it is no larger than it has to be.
+    // The board's wait for the bus is derived from this bound, so the bound must be exact.
     assert_eq!(bench.most_moved, MAX_POLL_BYTES);
     bench.assert_recovers();
     assert_eq!(bench.driver.health().initialisations, 1);
 }
 
-/// A flipped bank, where there is nothing to read.
+/// A flipped bank, which has nothing to read.
 #[test]
 fn another_bank_is_left() {
     let mut bench = Bench::running();
@@ -227,8 +226,8 @@ fn another_bank_is_left() {
     assert!(bench.poll().unwrap().is_some());
 }
 
-/// Whatever is wrong with the wires for less than 0.2 s: the chip is not reset for it, and its next answer is
-/// a sample.
+/// A fault of the wires of less than 0.2 s does not make the driver reset the chip, and the chip's next
+/// answer is a sample.
 #[test]
 fn a_short_fault_of_the_wires_costs_what_it_lasts() {
     for fault in [WireFault::StuckLow, WireFault::StuckHigh, WireFault::BusError] {
@@ -243,8 +242,8 @@ fn a_short_fault_of_the_wires_costs_what_it_lasts() {
     }
 }
 
-/// Noise looks like anything: every bit of the configuration, and a reset. No longer than half a second after
-/// it the samples are right.
+/// Noise can look like anything: any bit of the configuration, or a reset. Samples are correct within half a
+/// second after it.
 #[test]
 fn noise_on_the_wires_is_left_behind() {
     for seed in 0..200 {
@@ -257,9 +256,9 @@ fn noise_on_the_wires_is_left_behind() {
     }
 }
 
-/// Registers from 0x4F on as a driver may set them, and what is left of a vibration of 10 m/s^2 on the
-/// vertical axis that a 200 Hz tick has folded to a tenth of a hertz: its amplitude at the ticks, and where
-/// it takes an altitude in 25 s, integrated twice from rest.
+/// Effect of a vibration of 10 m/s^2 on the vertical axis that a 200 Hz tick has folded to a tenth of a
+/// hertz, with a driver's settings of the registers from 0x4F on: its amplitude at the ticks, and the
+/// altitude error in 25 s, integrated twice from rest.
 fn folded(registers: [u8; 5], frequency_mhz: u32) -> (f32, f32) {
     let mut chip = Icm42688pModel::new(Held(LEVEL));
     chip.vibration = Some(Vibration { channel: 2, frequency_mhz, amplitude: 10.0 });
@@ -283,7 +282,7 @@ fn folded(registers: [u8; 5], frequency_mhz: u32) -> (f32, f32) {
     (largest, farthest)
 }
 
-/// The filter that the driver sets, against the one before it: 100 Hz of second order.
+/// The filter that the driver sets against the earlier one, 100 Hz of second order.
 #[test]
 fn vibration_near_the_ticks_rate_is_kept_from_folding_to_zero() {
     let mut bench = Bench::running();
@@ -293,16 +292,16 @@ fn vibration_near_the_ticks_rate_is_kept_from_folding_to_zero() {
     for frequency_mhz in [200_100, 199_900, 400_100] {
         let (was, was_m) = folded(before, frequency_mhz);
         let (is, is_m) = folded(set, frequency_mhz);
-        // Of 10 m/s^2: 2.4 of them at 200 Hz before, 0.02 now (a Butterworth of third order: 8^-3); 5 mm/s^2
-        // is a count.
+        // Of 10 m/s^2, 2.4 remained at 200 Hz before and 0.02 now (a Butterworth of third order: 8^-3); 5
+        // mm/s^2 is a count.
         assert!(is < 0.02 + 0.005, "{frequency_mhz}: {is}");
         assert!(was > 0.6, "{frequency_mhz}: {was}");
-        // Integrated twice from rest, 0.1 Hz of amplitude a drifts off with a / (2 pi 0.1) m/s: 25 s make 40
-        // a metres of it.
+        // Integrated twice from rest, 0.1 Hz with amplitude a drifts at a / (2 pi 0.1) m/s: 40 a metres in 25
+        // s.
         assert!(is_m < 1.3 && was_m > 20.0, "{frequency_mhz}: {was_m} m before, {is_m} m now");
         println!("{frequency_mhz} mHz: {was} m/s^2 and {was_m} m before, {is} m/s^2 and {is_m} m now");
     }
-    // What a UAV does passes: 2 Hz to the third of a thousandth.
+    // A UAV's own motion passes: 2 Hz to a third of a thousandth.
     assert!((folded(set, 2_000).0 - 10.0).abs() < 0.02);
 }
 
@@ -311,7 +310,7 @@ fn a_chip_that_makes_no_samples_is_stale() {
     let mut bench = Bench::running();
     bench.driver.bus_mut().chip.stalled = true;
     let polls = (1..).find(|_| bench.poll().is_err()).unwrap();
-    // 20 ms and one tick; and no old sample was passed off as a new one.
+    // 20 ms and one tick; and no old sample was delivered as a new one.
     assert_eq!(polls, 5);
     assert_eq!(bench.driver.health().last_error, Some(SensorError::Stale));
     assert_eq!(bench.driver.health().samples, 1);
@@ -334,7 +333,7 @@ fn a_saturated_axis_costs_its_samples_and_no_more() {
 #[test]
 fn another_chip_is_refused() {
     let mut bench = Bench::new(CONFIG, LEVEL);
-    // After the reset, which restores it.
+    // After the reset, which restores the identity.
     bench.poll().unwrap();
     *bench.driver.bus_mut().chip.register_mut(0x75) = 0x68;
     assert_eq!(bench.poll(), Err(SensorError::WrongDevice));

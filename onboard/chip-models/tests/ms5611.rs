@@ -35,7 +35,7 @@ impl Bench<Chip> {
         Self::at(0, Ms5611::new(ChipOnBus::new(Ms5611Model::new(calibration, Held(air)))))
     }
 
-    /// Samples come again, and right, within a quarter of a second, whatever errors come before.
+    /// Correct samples come again within a quarter of a second, whatever errors come before.
     fn assert_recovers(&mut self, air: Air) {
         self.mend();
         for _ in 0..20 {
@@ -47,7 +47,7 @@ impl Bench<Chip> {
 }
 
 /// The chip's quantum of pressure: half a count of D1, SENS / 2^36; half a count of D2, which moves OFF and
-/// SENS; and the rounding of the pressure to f32, once on the way in and once out.
+/// SENS; and the rounding of the pressure to f32, once on the way in and once on the way out.
 fn tolerance_pa(calibration: [u16; 6], air: Air) -> f32 {
     let [c1, _, c3, c4, _, c6] = calibration.map(f32::from);
     let dt = (air.temperature_c - 20.0) * 838_860_800.0 / c6;
@@ -58,8 +58,7 @@ fn tolerance_pa(calibration: [u16; 6], air: Air) -> f32 {
     0.5 * d1_count + 0.5 * d2_count + 2.0 / 128.0
 }
 
-/// Calibrations as the factory makes them: within 20 % of the example, so that the whole range fits the
-/// converter.
+/// Factory calibrations: within 20 % of the example, so that the whole range fits the converter.
 fn calibration() -> impl Strategy<Value = [u16; 6]> {
     prop::array::uniform6(0.9f32..1.1).prop_map(|factors| {
         let mut calibration = EXAMPLE_CALIBRATION;
@@ -158,8 +157,8 @@ fn a_flipped_bit_in_the_calibration_is_found() {
     }
 }
 
-/// A garbled line lets one calibration in 16 pass the CRC of 4 bits: none of those is taken, at the start or
-/// after it.
+/// On a garbled line one calibration in 16 passes the 4-bit CRC. None of those is accepted, at the start or
+/// later.
 #[test]
 fn noise_while_the_calibration_is_read_never_becomes_a_calibration() {
     for seed in 0..300 {
@@ -169,14 +168,14 @@ fn noise_while_the_calibration_is_read_never_becomes_a_calibration() {
             let _ = bench.poll();
         }
         bench.assert_recovers(GROUND);
-        // Once known it is kept: what the line or the memory do later is no matter.
+        // Once known the calibration is kept, whatever the line or the memory do later.
         bench.driver.bus_mut().chip.prom_flip = Some((3, 0x10));
         bench.driver.bus_mut().power_dip();
         bench.assert_recovers(GROUND);
     }
 }
 
-/// A memory whose bits read wrong at the start is no calibration until they do not.
+/// A memory whose bits read wrong at the start is not accepted until they read right.
 #[test]
 fn a_calibration_that_reads_wrong_is_not_flown() {
     let mut bench = Bench::new(EXAMPLE_CALIBRATION, GROUND);
@@ -188,7 +187,7 @@ fn a_calibration_that_reads_wrong_is_not_flown() {
     bench.assert_recovers(GROUND);
 }
 
-/// From the error to the next sample.
+/// Time from the error to the next sample.
 #[test]
 fn a_power_dip_costs_less_than_a_tenth_of_a_second() {
     let mut bench = Bench::new(EXAMPLE_CALIBRATION, GROUND);

@@ -45,7 +45,7 @@ fn solution(time_us: u64) -> Option<Solution> {
     })
 }
 
-/// Ten seconds of a flight with a barometer that is told the time like this.
+/// Ten seconds of a flight with a barometer whose time is set by this function.
 fn fly<Baro: Barometer>(barometer: Baro, set_time: impl Fn(&mut Baro, u64)) -> (Vec<TickInput>, Faults) {
     let imu_config = drivers::icm42688p::Config {
         accel_range: AccelRange::G16,
@@ -74,7 +74,8 @@ fn fly<Baro: Barometer>(barometer: Baro, set_time: impl Fn(&mut Baro, u64)) -> (
     (inputs, suite.faults())
 }
 
-/// From the third second on: how many of each, and that each is what its source was when the chip took it.
+/// From the third second on, checks how many samples of each came, and that each equals its source at the
+/// time at which the chip sampled it.
 fn check(inputs: &[TickInput], baro_rate_hz: f32, baro_delay_us: u64) {
     let (mut baros, mut imus, mut fixes) = (0, 0, 0);
     for input in inputs.iter().filter(|input| input.time_us > 2_000_000) {
@@ -106,7 +107,7 @@ fn the_chips_of_the_board() {
     let barometer = Ms5611::new(ChipOnBus::new(Ms5611Model::new(EXAMPLE_CALIBRATION, air)));
     let (inputs, faults) = fly(barometer, |barometer, now_us| barometer.bus_mut().set_time(now_us));
     assert_eq!(faults, Faults::default());
-    // A conversion is read two ticks after it began; it shows the air of its middle.
+    // A conversion is read two ticks after it began; it shows the air at its middle.
     check(&inputs, 87.5, 10_000 - 4_520);
 }
 
@@ -115,11 +116,11 @@ fn the_other_barometer() {
     let barometer = Bmp390::new(ChipOnBus::new(Bmp390Model::new(Trimming::REAL, air)));
     let (inputs, faults) = fly(barometer, |barometer, now_us| barometer.bus_mut().set_time(now_us));
     assert_eq!(faults, Faults::default());
-    // 19 ms long, read at the next tick.
+    // A conversion is 19 ms long and read at the next tick.
     check(&inputs, 50.0, 9_480 + TICK_US / 2);
 }
 
-/// A barometer with a dead line costs the others nothing.
+/// A barometer with a dead line costs the other sensors nothing.
 #[test]
 fn a_dead_barometer_alone() {
     let mut bus = ChipOnBus::new(Ms5611Model::new(EXAMPLE_CALIBRATION, air));

@@ -1,5 +1,5 @@
-//! Every transient of every chip of the board: it costs its sensor no more than it lasts and half a second,
-//! and what comes then is right.
+//! Every transient of every chip of the board costs its sensor no more than its own duration and half a
+//! second, and the samples after it are correct.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use chip_models::flown::{Chip, ChipFault, Fault, ModelledSuite, Quantity};
@@ -7,9 +7,9 @@ use drivers::Sensors;
 use kf_core::input::{BaroReading, GpsFix, ImuSample, TickInput};
 
 const TICK_US: u64 = 5_000;
-/// Ticks of a second.
+/// Ticks in a second.
 const SECOND: u64 = 200;
-/// The worst that a fault may cost beyond itself, ticks.
+/// Largest cost of a fault beyond its duration, ticks.
 const BEYOND: u64 = SECOND / 2;
 /// Ticks from one fix to the next.
 const FIX_EVERY: u64 = 20;
@@ -23,7 +23,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// Everything delivers.
+    /// A bench on which everything delivers.
     fn running() -> Self {
         let mut bench = Self { suite: ModelledSuite::new(&()), tick: 0 };
         for _ in 0..5 * SECOND {
@@ -60,7 +60,7 @@ impl Bench {
     }
 }
 
-/// Whether that chip has delivered what it is subject to.
+/// Whether that chip has delivered the true value.
 fn is_right(chip: Chip, input: &TickInput) -> bool {
     let near = |value: f32, true_value: f32| (value - true_value).abs() < 0.1;
     match chip {
@@ -73,7 +73,7 @@ fn is_right(chip: Chip, input: &TickInput) -> bool {
     }
 }
 
-/// Ticks that a chip has between two right samples at most, sound.
+/// Most ticks between two correct samples of a chip without a fault.
 const fn usual(chip: Chip) -> u64 {
     match chip {
         Chip::Baro => 4,
@@ -82,7 +82,7 @@ const fn usual(chip: Chip) -> u64 {
     }
 }
 
-/// Faults of a chip that last, or happen once; with what a power dip takes by itself, ticks.
+/// Faults of a chip, lasting or momentary, each with the ticks that a power dip itself takes.
 fn faults(chip: Chip) -> Vec<(Fault, u64)> {
     let force = Quantity::Force(2);
     let mut all: Vec<(Fault, u64)> = [
@@ -143,7 +143,7 @@ fn a_transient_costs_what_it_lasts_and_half_a_second() {
                     if lasts > 0 {
                         bench.inject(chip, Fault::None);
                     }
-                    // From then on the last tick before which nothing right had come for longer than usual.
+                    // `recovered`: the last tick that ended a gap between correct samples longer than usual.
                     let (mut since, mut recovered) = (0, 0);
                     for tick in 1..=4 * SECOND {
                         since += 1;

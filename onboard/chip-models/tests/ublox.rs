@@ -38,7 +38,7 @@ impl Bench {
         }
     }
 
-    /// Configured and delivering.
+    /// A bench whose receiver is configured and delivers.
     fn running(generation: u8) -> Self {
         let mut bench = Self::new(generation, CONFIG, CRUISE);
         for _ in 0..1_000 {
@@ -52,7 +52,7 @@ impl Bench {
         self.driver.port_mut()
     }
 
-    /// One tick: every poll keeps to its bytes, and the flight computer keeps up.
+    /// One tick. Checks that the poll moves no more than its bytes, and that the flight computer keeps up.
     fn poll(&mut self) -> Result<Option<GpsFix>, SensorError> {
         self.now_us += TICK_US;
         let now_us = self.now_us;
@@ -78,7 +78,7 @@ impl Bench {
         (0..ticks).find_map(|_| self.poll().err()).unwrap()
     }
 
-    /// Right fixes at the full rate again, after so many ticks.
+    /// Correct fixes at the full rate again after this many ticks.
     fn assert_recovers(&mut self, ticks: u32) {
         for _ in 0..ticks {
             let _ = self.poll();
@@ -135,7 +135,7 @@ proptest! {
         prop_assert!(close(fix.vertical_accuracy_m.unwrap(), vertical_accuracy_m));
     }
 
-    /// Any bytes, anywhere: no panic, and right fixes at the full rate when they end.
+    /// Any bytes at any place: no panic, and correct fixes at the full rate when they end.
     #[test]
     fn garbage_is_left_behind(
         garbage in prop::collection::vec(prop_oneof![any::<u8>(), Just(0xB5), Just(0x62)], 0..300),
@@ -146,7 +146,7 @@ proptest! {
             bench.poll().unwrap();
         }
         bench.model().inject(&garbage);
-        // What pretends to be a frame can hold back 256 bytes: not three solutions.
+        // A false frame can hold back 256 bytes, less than three solutions.
         bench.assert_recovers(5 * PERIOD_TICKS);
     }
 }
@@ -156,7 +156,7 @@ fn both_generations_are_configured() {
     for (generation, sent, refused) in [(9, 1, 0), (8, 5, 1)] {
         let mut bench = Bench::running(generation);
         let counts = bench.driver.link_counts();
-        // One or more went out before the receiver had booted.
+        // One or more messages were sent before the receiver had booted.
         assert_eq!((counts.refused, counts.sent - counts.timeouts), (refused, sent), "{generation}");
         bench.assert_recovers(0);
     }
@@ -168,7 +168,7 @@ fn a_lost_byte_costs_its_fix_and_no_more() {
         let mut bench = Bench::running(9);
         while bench.poll().unwrap().is_none() {}
         bench.model().line.faults.lose_bytes = lost;
-        // Of a frame without its beginning nothing is left to find wrong.
+        // A frame that lost its beginning leaves nothing in which an error can be found.
         let mut errors = (0..3 * PERIOD_TICKS).filter_map(|_| bench.poll().err());
         assert!(errors.all(|error| error == SensorError::Check), "{lost}");
         bench.assert_recovers(0);
@@ -181,8 +181,8 @@ fn a_lost_byte_costs_its_fix_and_no_more() {
 fn a_frame_cut_short_is_counted_and_the_next_one_is_whole() {
     let mut bench = Bench::running(9);
     while bench.poll().unwrap().is_none() {}
-    // The head of a frame that announces 92 bytes, and nothing after it: the next frame is taken for its
-    // content.
+    // The header of a frame that announces 92 bytes, and nothing after it: the next frame is taken for its
+    // payload.
     bench.model().inject(&[0xB5, 0x62, 0x01, 0x07, 92, 0]);
     bench.assert_recovers(0);
     assert_eq!(bench.driver.link_counts().bad_frames, 1);
@@ -224,7 +224,7 @@ fn a_reset_of_the_receiver_heals() {
     assert_eq!(bench.driver.health().initialisations, 2);
 }
 
-/// The half second that it takes to start, and not another one: two periods are what a sound receiver takes.
+/// It costs the half second of the start and no further half second. A sound receiver takes two periods.
 #[test]
 fn a_reset_of_the_receiver_costs_half_a_second_beyond_its_start() {
     for (generation, baud) in [(9, BAUD), (8, BAUD), (9, 38_400), (8, 38_400)] {
@@ -240,7 +240,7 @@ fn a_reset_of_the_receiver_costs_half_a_second_beyond_its_start() {
     }
 }
 
-/// One of its settings flips: what it costs is half a second at most.
+/// A flipped setting costs at most half a second.
 #[test]
 fn a_setting_that_flips_is_mended() {
     for (generation, setting) in [(9, 0), (8, 0), (9, 1), (8, 1)] {
@@ -259,7 +259,7 @@ fn a_setting_that_flips_is_mended() {
     }
 }
 
-/// Before there is a second solution to tell the time between two by: no later than afterwards.
+/// Even before a second solution gives the interval between two, recovery is no later than afterwards.
 #[test]
 fn a_setting_that_flips_after_the_first_solution_is_mended_as_soon() {
     for generation in [9, 8] {
@@ -274,8 +274,8 @@ fn a_setting_that_flips_after_the_first_solution_is_mended_as_soon() {
     }
 }
 
-/// What a receiver says by default fills a line of 38,400 baud at six solutions a second. With it a fix at 10
-/// Hz is late.
+/// A receiver's default output fills a line of 38,400 baud at six solutions a second, and would make a fix at
+/// 10 Hz late.
 #[test]
 fn nothing_but_solutions_comes_on_a_slow_line() {
     for generation in [8, 9] {
@@ -286,7 +286,7 @@ fn nothing_but_solutions_comes_on_a_slow_line() {
         let before = bench.driver.link_counts();
         for _ in 0..10 * PERIOD_TICKS {
             if let Some(fix) = bench.poll().unwrap() {
-                // Its own latency, 26 ms of line, a tick.
+                // The receiver's latency, 26 ms of line, a tick.
                 let age_us = 200_000_000_000 + bench.now_us - fix.fix_time_us.unwrap();
                 assert!(age_us < 50_000 + 27_000 + TICK_US, "generation {generation}: {age_us}");
             }
@@ -297,7 +297,7 @@ fn nothing_but_solutions_comes_on_a_slow_line() {
     }
 }
 
-/// A receiver that keeps its NMEA, as generation 8 did: why it must not.
+/// Shows why a receiver must not keep its NMEA, as generation 8 did.
 #[test]
 fn sentences_beside_the_solutions_make_them_late() {
     let mut model = ReceiverModel::new(8, 38_400, Held(Some(CRUISE)));
@@ -330,7 +330,7 @@ fn sentences_beside_the_solutions_make_them_late() {
             received.drain(..place + 100);
         }
     }
-    // 746 bytes an epoch, ten times a second, where 3,840 bytes a second pass.
+    // 746 bytes an epoch, ten times a second, on a line that carries 3,840 bytes a second.
     assert!(late_us.iter().skip(20).all(|late_us| *late_us > 200_000), "{late_us:?}");
     assert!(model.line.unsent_bytes > 10_000);
 }
@@ -351,7 +351,7 @@ fn a_missing_acknowledgement_is_an_error_after_all_attempts() {
     bench.model().faults.silent = true;
     let mut errors = Vec::new();
     let mut fixes = 0;
-    // Two rounds of attempts, and less than a third.
+    // Two rounds of attempts, and less than a third round.
     for _ in 0..450 {
         match bench.poll() {
             Ok(fix) => fixes += u32::from(fix.is_some()),
@@ -360,7 +360,7 @@ fn a_missing_acknowledgement_is_an_error_after_all_attempts() {
     }
     assert_eq!(errors, [SensorError::Timeout; 2]);
     assert_eq!(bench.driver.link_counts().timeouts, 2 * u32::from(ATTEMPTS));
-    // It obeyed all the same: its fixes are taken.
+    // The receiver obeyed all the same: its fixes are delivered.
     assert!(fixes > 12, "{fixes}");
     bench.model().faults.silent = false;
     bench.assert_recovers(400);

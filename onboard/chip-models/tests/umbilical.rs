@@ -20,7 +20,7 @@ impl Bench {
         Self { driver: Umbilical::new(MotherShipModel::new(1, 115_200), Sender::FIRST_AUTOPILOT), tick: 0 }
     }
 
-    /// One tick; every fourth the mother ship says where it is: a metre higher a second.
+    /// One tick. At every fourth the mother ship sends its altitude, which rises by a metre a second.
     fn poll(&mut self) -> Result<Option<f32>, SensorError> {
         self.tick += 1;
         let now_us = self.tick * TICK_US;
@@ -52,7 +52,7 @@ fn every_altitude_arrives_as_it_was_sent_and_other_messages_are_passed_over() {
     assert_eq!((counts.other_bytes, counts.bad_frames, counts.superseded), (5 * 21, 0, 0));
 }
 
-/// What has not begun cannot fall silent; what has is complained about once a second.
+/// A link that has not delivered yet cannot fall silent; one that has is reported once a second.
 #[test]
 fn silence_is_a_fault_while_attached_and_none_after_launch() {
     let mut bench = Bench::new();
@@ -65,16 +65,16 @@ fn silence_is_a_fault_while_attached_and_none_after_launch() {
     assert_eq!(outcomes.iter().filter(|outcome| **outcome == Err(SensorError::Stale)).count(), 3);
     bench.driver.set_attached(false);
     assert!((0..2_000).all(|_| bench.poll() == Ok(None)));
-    // A plug that still touches: what comes is no altitude of this vehicle's any more.
+    // A plug that still touches: its altitudes are no longer this vehicle's.
     bench.driver.port_mut().line.faults.unplugged = false;
     assert!((0..12).all(|_| bench.poll() == Ok(None)));
-    // It was a discrete that had bounced.
+    // The discrete had only bounced.
     bench.driver.set_attached(true);
     bench.poll().unwrap();
     assert!(!bench.altitudes(20).is_empty());
 }
 
-/// What begins like a frame and is none swallows the frame that follows, until its checksum is wrong.
+/// A false start of a frame swallows the real frame that follows, until its checksum is found wrong.
 #[test]
 fn a_frame_inside_what_looked_like_one_is_found() {
     let mut bench = Bench::new();
@@ -88,7 +88,7 @@ fn a_frame_inside_what_looked_like_one_is_found() {
 }
 
 proptest! {
-    /// Whatever stands before a frame: the first whole frame after it is found, and nothing else is.
+    /// Whatever precedes a frame, the first whole frame after it is found, and nothing else is.
     #[test]
     fn a_frame_after_garbage_is_found(garbage in prop::collection::vec(prop_oneof![any::<u8>(), Just(0xFD)], 0..120)) {
         let mut bench = Bench::new();
@@ -100,7 +100,7 @@ proptest! {
         prop_assert!(found.iter().all(|altitude_m| (2_000.0..2_001.0).contains(altitude_m)));
     }
 
-    /// A damaged byte costs one altitude at most, and never becomes another one.
+    /// A corrupted byte costs one altitude at most, and never becomes another altitude.
     #[test]
     fn a_damaged_byte_never_becomes_an_altitude(after in 0u32..400, mask in 1u8..) {
         let mut bench = Bench::new();

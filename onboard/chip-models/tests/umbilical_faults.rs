@@ -1,4 +1,4 @@
-//! What can be wrong with the umbilical, on the whole board's models: what the sensors then say.
+//! Faults of the umbilical on the models of the whole board, and what the sensors then report.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use chip_models::flown::{Chip, ChipFault, Fault, ModelledSuite};
@@ -15,7 +15,7 @@ struct Bench {
     tick: u64,
 }
 
-/// What came in a stretch of time.
+/// What arrived in a stretch of time.
 #[derive(Debug, Default, PartialEq)]
 struct Seen {
     altitudes: Vec<f32>,

@@ -1,4 +1,4 @@
-//! Transfers on an SPI bus, as every chip here has them: a command, or a command and an answer.
+//! SPI transfers that every chip here uses: a command, or a command and an answer.
 
 use embedded_hal::spi::{Operation, SpiDevice};
 
@@ -32,7 +32,7 @@ pub(crate) fn is_stuck(answer: &[u8]) -> bool {
     all(0x00) || all(0xFF)
 }
 
-/// What goes over a bus, for tests.
+/// Expected traffic on a bus, for tests.
 #[cfg(test)]
 pub(crate) mod expected {
     use embedded_hal_mock::eh1::spi::Transaction;

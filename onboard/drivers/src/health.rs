@@ -1,4 +1,4 @@
-//! What a driver counts about itself.
+//! Counts that a driver keeps about itself.
 
 use crate::error::SensorError;
 
@@ -9,22 +9,22 @@ pub struct Health {
     pub samples: u32,
     /// Polls that ended in an error.
     pub errors: u32,
-    /// Answers that were wrong, so that the device was asked again.
+    /// Wrong answers for which the device was asked again.
     pub asked_again: u32,
-    /// How often the device was initialised, the first time included.
+    /// Initialisations of the device, including the first.
     pub initialisations: u32,
     /// The last error.
     pub last_error: Option<SensorError>,
 }
 
 impl Health {
-    /// Nothing has happened yet.
+    /// Counts at power-up.
     #[must_use]
     pub const fn new() -> Self {
         Self { samples: 0, errors: 0, asked_again: 0, initialisations: 0, last_error: None }
     }
 
-    /// Counts the outcome of one poll, and hands it on.
+    /// Counts the outcome of one poll and returns it.
     pub(crate) fn note<T>(
         &mut self,
         outcome: Result<Option<T>, SensorError>,

@@ -1,13 +1,13 @@
-//! What a sensor driver is to the flight computer: one trait for each kind of sensor, and the suite
-//! that turns one poll of every sensor into the estimator's input.
+//! Sensor drivers of the flight computer: one trait for each kind of sensor, and the suite that turns one
+//! poll of every sensor into the estimator's input.
 //!
 //! The drivers of the chips implement these traits ([`ms5611`], [`bmp390`], [`icm42688p`], [`ublox`],
-//! [`umbilical`]); another chip is one more file. The emulated board has the ones of [`Replay`], fed from a
+//! [`umbilical`]); another chip is one more file. The emulated board uses those of [`Replay`], fed from a
 //! flight record.
 //!
-//! A driver is split-phase: `poll` never waits. It starts the next transfer or conversion when one is
-//! due, takes what has arrived since the last call, and returns a sample at most once. Time comes in
-//! as an argument, microseconds by the flight computer's clock; a driver has no clock of its own.
+//! A driver is split-phase: `poll` never waits. It starts the next transfer or conversion when one is due,
+//! takes what has arrived since the last call, and returns each sample at most once. Time is an argument,
+//! microseconds by the flight computer's clock; a driver has no clock of its own.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 

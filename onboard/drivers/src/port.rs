@@ -1,10 +1,11 @@
-//! What has arrived on a UART.
+//! Reads what has arrived on a UART.
 
 use embedded_io::{Read, ReadReady};
 
 use crate::error::SensorError;
 
-/// Takes what is there, up to the end of `bytes`, and waits for nothing. Says how many.
+/// Takes the bytes that have arrived, at most as many as `bytes` holds, without waiting. Returns their
+/// number.
 ///
 /// # Errors
 /// [`SensorError::Bus`] when the port reports an error.

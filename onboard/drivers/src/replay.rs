@@ -1,4 +1,4 @@
-//! Sensors that deliver what a flight record says.
+//! Sensors that deliver a flight record's values.
 
 use kf_core::input::{GpsFix, ImuSample, LaunchDoubt, Signals, TickInput};
 
@@ -9,7 +9,7 @@ use crate::sensor::{
 };
 use crate::suite::Suite;
 
-/// A sensor that delivers what it was given, once.
+/// A sensor that delivers its loaded sample once.
 #[derive(Clone, Copy, Debug)]
 pub struct Replay<Sample>(Option<Sample>);
 
@@ -20,7 +20,7 @@ impl<Sample> Replay<Sample> {
         Self(None)
     }
 
-    /// Gives it what it is to deliver at the next poll.
+    /// Loads the sample to deliver at the next poll.
     pub fn load(&mut self, sample: Option<Sample>) {
         self.0 = sample;
     }
@@ -32,7 +32,7 @@ impl<Sample> Default for Replay<Sample> {
     }
 }
 
-/// What of a record's signals comes over the vehicle's link.
+/// The part of a record's signals that comes over the vehicle's link.
 impl From<&Signals> for VehicleState {
     fn from(signals: &Signals) -> Self {
         Self {
@@ -90,7 +90,7 @@ impl ReplayUmbilical {
         Self { open: false, doubt: LaunchDoubt::None }
     }
 
-    /// Opens or closes it, with what stands behind that.
+    /// Opens or closes it, and sets how certain the launch is.
     pub const fn set(&mut self, open: bool, doubt: LaunchDoubt) {
         self.open = open;
         self.doubt = doubt;
@@ -107,7 +107,7 @@ impl LaunchDiscrete for ReplayUmbilical {
     }
 }
 
-/// A suite whose every sensor replays a flight record.
+/// A suite in which every sensor replays a flight record.
 pub type ReplayedSuite = Suite<
     Replay<GpsFix>,
     Replay<BarometerSample>,
@@ -119,7 +119,7 @@ pub type ReplayedSuite = Suite<
 >;
 
 impl ReplayedSuite {
-    /// A suite with nothing to deliver, on the mother ship.
+    /// A suite with nothing to deliver, attached to the mother ship.
     #[must_use]
     pub const fn replayed() -> Self {
         Self::new(
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use crate::suite::Sensors;
 
-    /// A number, or none: all that differs between two inputs is how many of these there are.
+    /// A number, or none: two inputs differ only in how many of these there are.
     fn cell() -> impl Strategy<Value = Option<f32>> {
         proptest::option::of(-1e6f32..1e6)
     }

@@ -1,11 +1,11 @@
-//! A ring of bytes that something else writes, as a DMA stream behind a UART does: which of its bytes have
+//! A ring of bytes that something else writes, such as a DMA stream behind a UART: which of its bytes have
 //! arrived, and whether any may have been lost.
 //!
-//! The stream only says how far it has come, not how often around. So a reader that looks again later than
-//! the line takes for half a ring has to take everything for lost; one that looks in time, and then takes up
-//! to half a ring at each poll, never takes a byte twice, or one that has been written over.
+//! The stream reports only its position in the ring, not its number of laps. A reader that looks again later
+//! than the line takes for half a ring must therefore treat everything as lost. One that looks in time, and
+//! then takes up to half a ring at each poll, never takes a byte twice or one that has been overwritten.
 
-/// Why what has arrived is worth nothing.
+/// Why the arrived bytes are unusable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RingError {
     /// The line reports broken bytes among them (framing, overrun).
@@ -14,10 +14,10 @@ pub enum RingError {
     Late,
 }
 
-/// Reads a ring of so many bytes. Times are counts of any clock that wraps at 32 bits.
+/// Reads a ring of `BYTES` bytes. Times are counts of any clock that wraps at 32 bits.
 #[derive(Clone, Debug)]
 pub struct RingReader<const BYTES: usize> {
-    /// The next byte to take, and the next that will be written, as it was last seen.
+    /// The next byte to take, and the next that will be written, as last seen.
     next: usize,
     arrived: usize,
     seen: u32,
@@ -27,7 +27,7 @@ pub struct RingReader<const BYTES: usize> {
 }
 
 impl<const BYTES: usize> RingReader<BYTES> {
-    /// A reader of an empty ring. `lap`: what the clock counts while the line fills a ring.
+    /// A reader of an empty ring. `lap`: clock counts in which the line fills the ring.
     #[must_use]
     pub const fn new(now: u32, lap: u32) -> Self {
         Self { next: 0, arrived: 0, seen: now, late_after: lap / 2, broken_at: None }
@@ -38,18 +38,19 @@ impl<const BYTES: usize> RingReader<BYTES> {
         *self = Self { next: 0, arrived: 0, seen: now, late_after: self.late_after, broken_at: None };
     }
 
-    /// Whether everything that had arrived at the last look has been taken: time for another one.
+    /// Whether everything that had arrived at the last look has been taken, so that it is time for another
+    /// look.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.next == self.arrived
     }
 
-    /// Looks again. `remaining`: how many bytes the stream will write before it is back at the ring's
-    /// beginning; `has_broken`: the line's flag of broken bytes, which stays up until another byte has come
-    /// after the look at it.
+    /// Looks again. `remaining`: bytes that the stream will write before it is back at the ring's beginning.
+    /// `has_broken`: the line's flag of broken bytes, which stays set until another byte has come after the
+    /// look.
     ///
     /// # Errors
-    /// [`RingError`]; everything that has arrived is then passed over.
+    /// [`RingError`]; everything that has arrived is then skipped.
     pub fn look(&mut self, now: u32, remaining: usize, has_broken: bool) -> Result<(), RingError> {
         let elapsed = now.wrapping_sub(self.seen);
         self.seen = now;
@@ -69,7 +70,7 @@ impl<const BYTES: usize> RingReader<BYTES> {
         outcome
     }
 
-    /// Where in the ring the next byte is.
+    /// Index of the next byte in the ring.
     pub const fn take(&mut self) -> Option<usize> {
         if self.is_empty() {
             return None;
@@ -88,7 +89,7 @@ mod tests {
 
     const BYTES: usize = 16;
 
-    /// A stream that writes a byte at each count of the clock, if the line is busy then; a byte is its
+    /// A stream that writes a byte at each count of the clock while the line is busy. A byte's value is its
     /// number.
     struct Line {
         ring: [u32; BYTES],

@@ -1,7 +1,7 @@
 //! One trait for each kind of sensor.
 //!
-//! All `poll`s alike: `now_us` is the flight computer's clock, microseconds, never running backward;
-//! `Ok(None)` is "nothing new"; an error is returned once for each time that it occurs.
+//! All `poll`s work alike: `now_us` is the flight computer's clock, microseconds, never running backward;
+//! `Ok(None)` means "nothing new"; an error is returned once for each time that it occurs.
 
 use kf_core::input::{BaroReading, GpsFix, ImuSample, LaunchDoubt};
 
@@ -9,14 +9,14 @@ use crate::error::SensorError;
 
 /// The reference: a satellite navigation receiver.
 pub trait SatelliteReceiver {
-    /// A fix, once.
+    /// A new fix; each is returned once.
     ///
     /// # Errors
     /// See [`SensorError`].
     fn poll(&mut self, now_us: u64) -> Result<Option<GpsFix>, SensorError>;
 }
 
-/// What a barometer can deliver at one time; a chip may alternate between the two.
+/// What a barometer can deliver in one poll; a chip may alternate between the two.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BarometerSample {
     /// Static pressure, or the pressure altitude of a unit that computes it itself.
@@ -27,7 +27,7 @@ pub struct BarometerSample {
 
 /// A barometric sensor.
 pub trait Barometer {
-    /// A sample, once.
+    /// A new sample; each is returned once.
     ///
     /// # Errors
     /// See [`SensorError`].
@@ -36,24 +36,23 @@ pub trait Barometer {
 
 /// An inertial measurement unit.
 pub trait InertialUnit {
-    /// A sample, once: specific force and angular rate in body axes, forward-right-down.
+    /// A new sample, each returned once: specific force and angular rate in body axes, forward-right-down.
     ///
     /// # Errors
     /// See [`SensorError`].
     fn poll(&mut self, now_us: u64) -> Result<Option<ImuSample>, SensorError>;
 }
 
-/// A link to a unit that computes an altitude of its own: the mother ship's inertial navigation, or the
-/// UAV's.
+/// A link to a unit that computes its own altitude: the mother ship's inertial navigation, or the UAV's.
 pub trait AltitudeLink {
-    /// An altitude above the flight's datum, metres, once.
+    /// A new altitude above the flight's datum, metres; each is returned once.
     ///
     /// # Errors
     /// See [`SensorError`].
     fn poll(&mut self, now_us: u64) -> Result<Option<f32>, SensorError>;
 
-    /// Instead of [`Self::poll`], where this tick has dearer work: takes what has arrived and looks at it at
-    /// the next poll. `Ok(false)` where there is nothing to put off, and it must be polled.
+    /// Replaces [`Self::poll`] in a tick with more expensive work: stores what has arrived for the next poll.
+    /// `Ok(false)` means that nothing can be put off and the link must be polled.
     ///
     /// # Errors
     /// See [`SensorError`].
@@ -61,12 +60,12 @@ pub trait AltitudeLink {
         Ok(false)
     }
 
-    /// Whether the UAV hangs under the mother ship, as far as that is decided. The link to a unit that stays
-    /// behind is gone when it does not: silence is then no fault.
+    /// Sets whether the UAV hangs under the mother ship, as far as that is decided. After launch the link to
+    /// a unit that stays behind is gone, and silence is no fault.
     fn set_attached(&mut self, _attached: bool) {}
 }
 
-/// What other equipment of the vehicle knows about its state; each is there when it is new.
+/// State of the vehicle from its other equipment. Each field is present when it is new.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VehicleState {
     /// True airspeed, m/s.
@@ -85,7 +84,7 @@ pub struct VehicleState {
 
 /// A link to the vehicle's air data, engine and attitude equipment (autopilot bus).
 pub trait VehicleLink {
-    /// What is new, once.
+    /// New values; each is returned once.
     ///
     /// # Errors
     /// See [`SensorError`].
@@ -94,13 +93,13 @@ pub trait VehicleLink {
 
 /// The umbilical discrete: it opens when the UAV leaves the mother ship.
 pub trait LaunchDiscrete {
-    /// Whether it is open.
+    /// Whether the discrete is open.
     ///
     /// # Errors
-    /// See [`SensorError`]. The caller then holds the last state.
+    /// See [`SensorError`]. The caller then keeps the last state.
     fn poll(&mut self, now_us: u64) -> Result<bool, SensorError>;
 
-    /// What stands behind that. A bare wire knows of no doubt.
+    /// How certain the launch is. A bare wire reports no doubt.
     fn doubt(&self) -> LaunchDoubt {
         LaunchDoubt::None
     }

@@ -25,19 +25,19 @@ pub enum Device {
     Vehicle,
 }
 
-/// All sensors of a flight computer, whatever they are.
+/// All sensors of a flight computer, of any kind.
 pub trait Sensors {
-    /// Polls every sensor once, and calls `polled` after each: for a meter.
+    /// Polls every sensor once, and calls `polled` after each, for measuring their cost.
     fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput;
 
     /// The faults so far.
     fn faults(&self) -> Faults;
 
-    /// Whether the umbilical's wire was open at the last poll; `None`: it could not be read.
+    /// Whether the umbilical's wire was open at the last poll; `None` if it could not be read.
     fn wire(&self) -> Option<bool>;
 
-    /// What was decided on the last poll: whether the vehicle has left. The link to the mother ship is
-    /// listened to until then: an open wire alone may be a broken one, and only her messages tell.
+    /// Passes on the decision made on the last poll: whether the vehicle has left. Until then the mother
+    /// ship's link is read: an open wire alone may be broken, and only her messages can show that.
     fn decided(&mut self, has_left: bool);
 
     /// Polls every sensor once.
@@ -64,12 +64,12 @@ impl<Suite: Sensors> Sensors for &mut Suite {
     }
 }
 
-/// How often polls have failed; none ever stops the others.
+/// Counts of failed polls. A failed poll never stops the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
     /// Failed polls of all sensors.
     pub count: u32,
-    /// The last one's error.
+    /// Error of the last one.
     pub last: Option<SensorError>,
 }
 
@@ -107,7 +107,7 @@ where
     Vehicle: VehicleLink,
     Launch: LaunchDiscrete,
 {
-    /// A suite, on the mother ship, without a fault.
+    /// A suite attached to the mother ship, without a fault.
     pub const fn new(
         receiver: Receiver,
         barometer: Baro,
@@ -144,13 +144,13 @@ where
     Vehicle: VehicleLink,
     Launch: LaunchDiscrete,
 {
-    /// A failed poll counts as a fault and as no sample; while the umbilical cannot be read it is what it
-    /// last was.
+    /// A failed poll counts as a fault and as no sample. While the umbilical cannot be read, its last state
+    /// is kept.
     ///
     /// Ticks with a fix or a pressure are the most expensive, so the mother ship's messages wait for the next
-    /// tick. Her altitude is then taken a tick (5 ms) later, and the launch's decision learns of her silence
-    /// that much later. They do not wait if the last tick was expensive too: a source that delivers at every
-    /// tick leaves no better tick to wait for.
+    /// tick. Her altitude is then delivered a tick (5 ms) later, and the launch decision notices her silence
+    /// that much later. They do not wait if the last tick was expensive too: with a source that delivers at
+    /// every tick there is no better tick to wait for.
     fn poll_each(&mut self, now_us: u64, polled: &mut impl FnMut(Device)) -> TickInput {
         self.wire = self.faults.note(self.launch.poll(now_us).map(Some));
         self.launched = self.wire.unwrap_or(self.launched);
@@ -273,7 +273,7 @@ mod tests {
         assert_eq!(suite.faults(), Faults { count: 2, last: Some(SensorError::Bus) });
     }
 
-    /// A link whose unit always has an altitude, as long as it is listened to.
+    /// A link whose unit always has an altitude while it is read.
     struct Attached(bool);
 
     impl AltitudeLink for Attached {
@@ -286,8 +286,8 @@ mod tests {
         }
     }
 
-    /// A wire that opens may be a broken one: the mother ship is listened to until it is decided that the
-    /// vehicle has left, and again when that is taken back.
+    /// An open wire may be broken: the mother ship's link is read until it is decided that the vehicle has
+    /// left, and again when that decision is withdrawn.
     #[test]
     fn an_open_wire_alone_does_not_silence_the_mother_ship() {
         let mut suite = Suite::new(

@@ -1,4 +1,4 @@
-//! The chain of a tick.
+//! The chain of steps in a tick.
 
 use drivers::Sensors;
 use kf_core::input::TickInput;
@@ -8,29 +8,29 @@ use crate::estimation::Estimation;
 use crate::onboard::Onboard;
 use crate::part::Part;
 
-/// What one tick saw and said.
+/// Input and output of one tick.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// What was new, as the estimator got it.
+    /// New values, as passed to the estimator.
     pub input: TickInput,
-    /// What the estimator said.
+    /// The estimator's output.
     pub output: TickOutput,
 }
 
-/// The chain of a tick, with everything that it remembers from one tick to the next.
+/// The chain of steps in a tick, with its state from one tick to the next.
 #[derive(Clone, Debug)]
 pub struct FlightComputer<Suite, Mission> {
     /// The sensors.
     pub sensors: Suite,
     /// The estimator.
     pub mission: Mission,
-    /// What decides the launch and makes the inertial altitude; `None` where a recording has both already.
+    /// Decides the launch and computes the inertial altitude; `None` for a recording that has both already.
     pub onboard: Option<Onboard>,
 }
 
 impl<Suite: Sensors, Mission: Estimation> FlightComputer<Suite, Mission> {
-    /// A flight computer before its first tick, with sensors that know when the vehicle has left: a
-    /// recording's.
+    /// A flight computer before its first tick, with a recording's sensors, which report when the vehicle has
+    /// left.
     pub const fn new(sensors: Suite, mission: Mission) -> Self {
         Self { sensors, mission, onboard: None }
     }
@@ -45,8 +45,8 @@ impl<Suite: Sensors, Mission: Estimation> FlightComputer<Suite, Mission> {
         self.tick_measured(now_us, &mut |_| ())
     }
 
-    /// As [`Self::tick`]; `done` is called at the end of each part, for a meter. A part may come more than
-    /// once.
+    /// As [`Self::tick`]; calls `done` at the end of each part, for measuring its cost. A part may occur more
+    /// than once.
     pub fn tick_measured(&mut self, now_us: u64, done: &mut impl FnMut(Part)) -> Step {
         let mut input = self.sensors.poll_each(now_us, &mut |device| done(device.into()));
         if let Some(onboard) = &mut self.onboard {

@@ -1,12 +1,12 @@
-//! The mission, whatever its shape.
+//! Missions of any shape.
 
 use kf_core::input::TickInput;
 use kf_core::mission::Mission;
 use kf_core::output::TickOutput;
 use kf_core::snapshot::{MissionMark, MissionSnapshot, SnapshotError};
 
-/// What takes a tick's input and says what it means: a [`Mission`] whose shape is known when it is compiled,
-/// or one behind a pointer.
+/// Turns a tick's input into its output: a [`Mission`] whose shape is known at compile time, or one behind a
+/// pointer.
 pub trait Estimation {
     /// See [`Mission::tick`].
     fn tick(&mut self, input: &TickInput) -> TickOutput;
@@ -18,14 +18,14 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Estimation for Missio
     }
 }
 
-/// Where it is too large to be moved about.
+/// For a mission that is too large to be moved.
 impl<E: Estimation> Estimation for &mut E {
     fn tick(&mut self, input: &TickInput) -> TickOutput {
         E::tick(self, input)
     }
 }
 
-/// A mission that a restart can go on with.
+/// A mission that can continue after a restart.
 pub trait Retainable: Estimation {
     /// See [`Mission::last_us`].
     fn last_us(&self) -> u64;
@@ -36,7 +36,7 @@ pub trait Retainable: Estimation {
     /// See [`Mission::restore_snapshot`].
     ///
     /// # Errors
-    /// As there.
+    /// As in [`Mission::restore_snapshot`].
     fn restore_snapshot(&mut self, bytes: &[u8], mark: &MissionMark) -> Result<u64, SnapshotError>;
 }
 

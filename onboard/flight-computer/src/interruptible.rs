@@ -1,4 +1,4 @@
-//! A flight computer that a test interrupts.
+//! A flight computer that a test can interrupt.
 
 use core::mem::MaybeUninit;
 
@@ -11,11 +11,11 @@ use crate::onboard::Onboard;
 use crate::restart::{ResetFacts, assess_restart, resume_mission};
 use crate::retention::{SnapshotKeeper, keep_mark};
 
-/// One run of a flight computer, from a reset to the next, with everything that an image does between the two
-/// to what a reset leaves alone: the start, each tick's mark, and the snapshots of the task below the tick.
+/// One run of a flight computer, from one reset to the next. It does everything that an image does to the
+/// retained memory in that time: the start, each tick's mark, and the snapshots of the task below the tick.
 ///
 /// To interrupt it, drop it. To interrupt it while it writes, call [`survival::RetainedImage::cut_after`]
-/// before [`Self::tick`] or [`Self::start`]; what came after the cut is in the dropped run only.
+/// before [`Self::tick`] or [`Self::start`]; what happens after the cut affects only the dropped run.
 ///
 /// ```ignore
 /// let mut memory = RetainedImage::default();
@@ -42,11 +42,11 @@ pub struct Interruptible<Suite, Mission> {
 }
 
 impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
-    /// Starts with what is kept in `memory`; the clock goes on at the report's `resumed_us`, or at 0.
+    /// Starts with the contents of `memory`. The clock continues at the report's `resumed_us`, or at 0.
     /// `onboard` is `None` for a recording's sensors.
     ///
     /// # Errors
-    /// The report, if there is no mission any more ([`Start::Standby`]: only with a guard taken out).
+    /// The report, if the mission does not continue ([`Start::Standby`]: only with a guard taken out).
     pub fn start(
         sensors: Suite,
         mut mission: Mission,
@@ -71,7 +71,7 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
         })
     }
 
-    /// How it has started; `None` where nothing was found.
+    /// How this run started; `None` if nothing was found.
     #[must_use]
     pub const fn report(&self) -> Option<&RestartReport> {
         self.report.as_ref()
@@ -83,15 +83,15 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
         self.keeper.lost()
     }
 
-    /// A tick, and the task below it.
+    /// Runs a tick, and the task below it.
     pub fn tick(&mut self, memory: &mut impl WordMemory, now_us: u64) -> Step {
         let step = self.tick_only(memory, now_us);
         self.keep_snapshot(memory);
         step
     }
 
-    /// A tick, with a reset before the task below it has run. The board's free-running timer counts
-    /// microseconds of the mission.
+    /// Runs a tick without the task below it, as if a reset came between the two. The board's free-running
+    /// timer counts microseconds of the mission.
     pub fn tick_only(&mut self, memory: &mut impl WordMemory, now_us: u64) -> Step {
         let step = self.computer.tick(now_us);
         let wire = self.computer.onboard.as_ref().map(|onboard| onboard.launch().wire());
@@ -99,7 +99,7 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
         step
     }
 
-    /// The task below the tick: a snapshot, if it is time for one.
+    /// Runs the task below the tick: keeps a snapshot, if one is due.
     pub fn keep_snapshot(&mut self, memory: &mut impl WordMemory) {
         let mut place = MaybeUninit::uninit();
         let due = self.keeper.make_due(&self.computer.mission, self.computer.onboard.as_ref(), &mut place);

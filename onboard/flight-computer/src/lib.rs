@@ -1,12 +1,12 @@
-//! What the flight computer does at each of its ticks, 200 times a second: polls its sensors, and gives what
-//! is new to the mission. The firmware and the workbench run this same code, the one on the board's drivers
-//! (or on the emulated board's), the other beside it to compare the bits.
+//! The flight computer's work at each of its ticks, 200 times a second: it polls its sensors and passes the
+//! new values to the mission. The firmware and the workbench run this same code: the firmware on the board's
+//! drivers (or the emulated board's), the workbench beside it to compare the results bit by bit.
 //!
-//! What is kept for a restart, and how one goes on, is here too ([`assess_restart`], [`resume_mission`]).
+//! This crate also decides what is kept for a restart and how a restart continues ([`assess_restart`],
+//! [`resume_mission`]).
 //!
-//! It owns no clock, no bus and no interrupt: the time of a tick comes in as an argument, the sensors are
-//! whatever implements [`drivers::Sensors`], and what a reset leaves alone is whatever implements
-//! [`survival::WordMemory`].
+//! It owns no clock, no bus and no interrupt: the time of a tick is an argument, the sensors implement
+//! [`drivers::Sensors`], and the memory that a reset leaves unchanged implements [`survival::WordMemory`].
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,5 +1,5 @@
-//! What the flight computer makes of its sensors before the mission sees them: whether the vehicle has left,
-//! and the altitude of its own inertial unit.
+//! Derives from the sensors, before the mission, whether the vehicle has left, and the altitude of its own
+//! inertial unit.
 
 use kf_core::estimator::ConfigError;
 use kf_core::input::{LaunchDoubt, TickInput};
@@ -12,18 +12,18 @@ use kf_core::strapdown;
 pub struct Onboard {
     launch: LaunchDetector,
     strapdown: strapdown::Config,
-    /// None where the alignment was lost in a restart: in free flight there is nothing to align with.
+    /// `None` if a restart has lost the alignment: in free flight there is nothing to align with.
     inertial: Option<InertialAltitude>,
     last_message_us: Option<u64>,
-    /// Decided before a restart.
+    /// Whether a launch was decided before a restart.
     has_left: bool,
 }
 
 impl Onboard {
-    /// Under the pylon, nothing seen.
+    /// Attached to the pylon, without any data yet.
     ///
     /// # Errors
-    /// [`ConfigError`]: the launch's limits are none.
+    /// [`ConfigError`]: the launch's limits are invalid.
     pub fn new(launch: LaunchConfig, strapdown: strapdown::Config) -> Result<Self, ConfigError> {
         Ok(Self {
             launch: LaunchDetector::new(launch)?,
@@ -34,17 +34,16 @@ impl Onboard {
         })
     }
 
-    /// After a restart in free flight: the vehicle has left, whatever the wire and the force say. The
-    /// inertial altitude goes on from what was kept of it; without that it says nothing any more, which
-    /// leaves `imu_slave` without readings.
+    /// After a restart in free flight: the vehicle has left, whatever the wire and the force show. The
+    /// inertial altitude continues from its kept state; without that it stops, and `imu_slave` has no
+    /// readings.
     #[must_use]
     pub fn in_free_flight(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
         let inertial = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
         Self { inertial, has_left: true, ..self }
     }
 
-    /// After a restart while a launch is suspected: the calibration is held, and the inertial altitude with
-    /// it.
+    /// After a restart while a launch is suspected: the calibration is held, and so is the inertial altitude.
     #[must_use]
     pub fn suspecting(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
         let kept = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
@@ -52,44 +51,44 @@ impl Onboard {
         Self { inertial: kept.or(interrupted.inertial), ..interrupted }
     }
 
-    /// After a restart under the pylon, as far as is known.
+    /// After a restart that was, as far as is known, under the pylon.
     #[must_use]
     pub fn after_interruption(self) -> Self {
         Self { launch: self.launch.after_interruption(), ..self }
     }
 
-    /// After a restart under the pylon of one that knew the wire to be broken: that it is open says nothing.
+    /// After a restart under the pylon with a wire known to be broken: an open wire then means nothing.
     #[must_use]
     pub fn with_broken_wire(self) -> Self {
         Self { launch: self.launch.with_broken_wire(), ..self }
     }
 
-    /// After a cold start that has found the traces of a mission.
+    /// After a cold start that has found traces of a mission.
     #[must_use]
     pub fn after_traces(self) -> Self {
         Self { launch: self.launch.after_traces(), ..self }
     }
 
-    /// What a restart goes on from.
+    /// State of the inertial altitude to keep for a restart.
     #[must_use]
     pub fn kept(&self) -> Option<KeptInertial> {
         self.inertial.as_ref()?.kept()
     }
 
-    /// The launch's decision, and what it counted.
+    /// The launch decision, and its counts.
     #[must_use]
     pub const fn launch(&self) -> &LaunchDetector {
         &self.launch
     }
 
-    /// The strapdown channel's altitude, and what was counted; `None` once its alignment was lost.
+    /// The strapdown channel's altitude, and its counts; `None` once the alignment was lost.
     #[must_use]
     pub const fn inertial(&self) -> Option<&InertialAltitude> {
         self.inertial.as_ref()
     }
 
-    /// Takes a tick as the sensors had it, with the state of the umbilical's wire (open: true; `None`: it
-    /// could not be read), and puts into it what the mission needs.
+    /// Takes a tick's sensor values and the state of the umbilical's wire (open: true; `None`: it could not
+    /// be read), and adds what the mission needs.
     pub fn complete(&mut self, input: &mut TickInput, wire_is_open: Option<bool>) {
         if input.imu_master_altitude_m.is_some() {
             self.last_message_us = Some(input.time_us);
@@ -123,9 +122,9 @@ mod tests {
         Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS).unwrap()
     }
 
-    /// A tick under the pylon, or 2 m/s^2 lighter without it.
+    /// A tick under the pylon, or with a specific force of 2 m/s^2 instead of 9.8 after leaving it.
     fn input(tick: u64, is_free: bool) -> TickInput {
-        // The unit's noise, which a force that never changes has not.
+        // Noise of the unit, so that the force is not constant.
         let noise = if tick.is_multiple_of(2) { 0.05 } else { -0.05 };
         let lift_mps2 = if is_free { 2.0 } else { 9.8 };
         TickInput {
@@ -153,7 +152,8 @@ mod tests {
             }
         }
         assert_eq!(first_doubt, Some(4_000));
-        // Silent for five intervals of 0.1 s, and no less: her messages could still have shown a broken wire.
+        // Silent for five intervals of 0.1 s and no less: until then her messages could have shown a broken
+        // wire.
         assert!(launched.is_some_and(|tick| (4_080..4_110).contains(&tick)), "{launched:?}");
     }
 
@@ -168,15 +168,15 @@ mod tests {
         assert_eq!(onboard.launch().counts().broken_wires, 1);
     }
 
-    /// Nothing calibrated, nothing known of the force: the same open wire is a cable torn at power-on, or a
-    /// release during a reset.
+    /// Without a calibration and with an unknown force, the same open wire is a cable torn before power-on,
+    /// or a release during a reset.
     #[test]
     fn a_wire_that_is_open_at_the_start_is_a_launch_only_after_an_interruption() {
         for (mut onboard, is_launch) in [(onboard(), false), (onboard().after_interruption(), true)] {
             let mut launched = false;
             for tick in 0..1_000 {
                 let mut input = TickInput {
-                    // The clock of an interrupted flight goes on.
+                    // The clock of an interrupted flight continues.
                     time_us: 60_000_000 + tick * 5_000,
                     imu_master_altitude_m: None,
                     ..input(tick, false)

@@ -2,10 +2,10 @@
 
 use drivers::Device;
 
-/// How many parts there are.
+/// Number of parts.
 pub const PARTS: usize = 10;
 
-/// A part of a tick, for what measures what each costs.
+/// A part of a tick, for measuring its cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Part {
@@ -19,16 +19,16 @@ pub enum Part {
     Umbilical = 3,
     /// Links to other equipment of the vehicle.
     Vehicle = 4,
-    /// The launch's decision and the strapdown channel.
+    /// The launch decision and the strapdown channel.
     Onboard = 5,
     /// The mission: estimator, latch, monitors.
     Mission = 6,
-    /// Handing over what the tick said, for the telemetry's messages.
+    /// Passing the tick's results to the telemetry.
     Telemetry = 7,
-    /// Keeping the mark that a restart goes on from.
+    /// Keeping the mark for a restart.
     Mark = 8,
-    /// Making and queueing the telemetry's messages: by a task below the tick, so not a part of what a tick
-    /// takes.
+    /// Making and queueing the telemetry's messages. A task below the tick does this, so it is not part of
+    /// the tick's cost.
     Messages = 9,
 }
 

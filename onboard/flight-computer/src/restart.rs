@@ -1,4 +1,4 @@
-//! How the flight computer starts: cold, or where a reset has interrupted it.
+//! How the flight computer starts: cold, or from where a reset interrupted it.
 
 use kf_core::guard::Guard;
 use kf_core::navigation::KeptInertial;
@@ -12,23 +12,23 @@ use crate::estimation::Retainable;
 use crate::onboard::Onboard;
 use crate::retention::{mission_mark, split_snapshot};
 
-/// What a board knows of the reset that it comes from, and how long its own take.
+/// A board's facts about its last reset, and the durations of its resets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResetFacts {
     /// What reset the processor.
     pub source: ResetSource,
-    /// Whether the break-wire is open now, where that can be told.
+    /// Whether the break-wire is open now; `None` if that cannot be determined.
     pub umbilical_is_open: Option<bool>,
-    /// Counts of the board's free-running timer in a microsecond.
+    /// Counts of the board's free-running timer per microsecond.
     pub counts_per_us: u32,
-    /// From the last feed of the independent watchdog to its reset, microseconds.
+    /// Time from the last feed of the independent watchdog to its reset, microseconds.
     pub independent_watchdog_us: u64,
-    /// From the reset to the first tick, microseconds.
+    /// Time from the reset to the first tick, microseconds.
     pub restart_us: u64,
 }
 
 impl ResetFacts {
-    /// Those of the host: the timer counts microseconds, and a start takes what it takes the real board.
+    /// Facts of the host: the timer counts microseconds, and a start takes as long as on the real board.
     #[must_use]
     pub const fn host(source: ResetSource, umbilical_is_open: Option<bool>) -> Self {
         Self {
@@ -41,16 +41,16 @@ impl ResetFacts {
     }
 }
 
-/// What a start has found: whatever fails from here on has been counted.
+/// What a start has found. Any failure from here on has been counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Assessment {
-    /// What there is to say of it; `None` after a start that finds nothing.
+    /// The restart's report; `None` after a start that found nothing.
     pub report: Option<RestartReport>,
     /// The snapshot's copies.
     pub order: SlotOrder,
 }
 
-/// Looks at what was kept and counts the restart. Whether the mission goes on, [`resume_mission`] finds out.
+/// Inspects what was kept and counts the restart. [`resume_mission`] finds out whether the mission continues.
 #[inline(never)]
 pub fn assess_restart(
     memory: &mut impl WordMemory,
@@ -79,8 +79,8 @@ pub fn assess_restart(
     if !found.is_interrupted() {
         keep_history(memory, History::default());
         clear_slots(memory);
-        // After an interruption the mark stays, until the first tick writes another: a reset before that tick
-        // finds the same.
+        // After an interruption the mark stays until the first tick writes another: a reset before that tick
+        // finds the same mark.
         clear_marks(memory);
         let has_copies = order.refused.iter().any(|refusal| *refusal != Some(Refusal::Empty));
         let is_worth_it = found.mark.is_some() || found.crash.is_some() || has_copies;
@@ -103,8 +103,8 @@ pub fn assess_restart(
     Assessment { report: Some(report), order: SlotOrder::EMPTY }
 }
 
-/// Lets the mission go on from the newest copy that is a snapshot of it, if that is what the report says, and
-/// corrects the report where there is none. Returns what was kept of the inertial altitude, for
+/// If the report requires it, continues the mission from the newest copy that is a snapshot of it, and
+/// corrects the report if there is none. Returns the kept state of the inertial altitude, for
 /// [`Onboard::after`].
 #[inline(never)]
 pub fn resume_mission(
@@ -140,7 +140,7 @@ pub fn resume_mission(
         }
     }
     report.start = match report.start {
-        // What was held for it is gone; whether the UAV has left is found out as at any start.
+        // The held calibration is gone; whether the UAV has left is determined as at any start.
         Start::Suspected => Start::Captive,
         _ => Start::Lost,
     };
@@ -149,12 +149,12 @@ pub fn resume_mission(
     None
 }
 
-/// Longest time that the supply is taken to have been away, seconds: a transient lasts a second. For how long
-/// it was, nothing on board knows.
+/// Assumed length of a loss of the supply, seconds: a transient lasts a second at most. Its actual length is
+/// not known on board.
 const LONGEST_DIP_S: f32 = 1.0;
 
 impl Onboard {
-    /// As it goes on after a start, with what [`resume_mission`] found of the inertial altitude.
+    /// The state after a start, with the inertial altitude that [`resume_mission`] has found.
     #[must_use]
     #[inline(never)]
     pub fn after(self, report: Option<&RestartReport>, inertial: Option<&KeptInertial>) -> Self {
@@ -173,21 +173,21 @@ impl Onboard {
     }
 }
 
-/// Whether the program itself has failed. A reset without a record is its own too, unless a debugger's: a
-/// board resets that can not start.
+/// Whether the program itself has failed. A reset without a record counts too, although it may be a
+/// debugger's: a board that cannot start resets itself.
 const fn is_crash(cause: Cause) -> bool {
     !matches!(cause, Cause::Supply | Cause::ResetPin)
 }
 
-/// Whether a start goes on from a snapshot.
+/// Whether a start continues from a snapshot.
 const fn needs_snapshot(start: Start) -> bool {
     matches!(start, Start::Resumed | Start::Suspected)
 }
 
-/// When the last run ended, as far as that is known, by the mission's clock. How long the supply was away,
-/// nobody knows.
+/// End of the last run by the mission's clock, as far as it is known. How long the supply was away is not
+/// known.
 fn ended_us(found: &Found, before: &History, facts: &ResetFacts) -> u64 {
-    // Without a tick since the last restart the timer's counts are of two runs.
+    // Without a tick since the last restart, the timer's counts belong to different runs.
     let Some(mark) = found.mark.filter(|mark| mark.time_us >= before.resumed_us) else {
         return before.resumed_us;
     };

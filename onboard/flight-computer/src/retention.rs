@@ -1,4 +1,4 @@
-//! What is kept of a mission while it flies, for a restart to go on from.
+//! Keeps a mission's state while it flies, so that a restart can continue from it.
 
 use core::mem::MaybeUninit;
 
@@ -11,12 +11,12 @@ use crate::computer::Step;
 use crate::estimation::Retainable;
 use crate::onboard::Onboard;
 
-/// A snapshot is kept this often, microseconds of the mission, and whenever its mark has changed: a launch is
-/// suspected or decided, or a flag has been raised.
+/// Time between snapshots, microseconds of the mission. One is also kept whenever the mark has changed: a
+/// launch is suspected or decided, or a flag has been raised.
 const EVERY_US: u64 = 100_000;
 
-/// Keeps the mark of a tick, at its end; `count` is the board's free-running timer, `wire` what the launch
-/// detector takes it for.
+/// Keeps the mark of a tick at its end. `count` is the board's free-running timer, `wire` the launch
+/// detector's view of the wire.
 #[inline]
 pub fn keep_mark(
     writer: &mut MarkWriter,
@@ -32,7 +32,7 @@ pub fn keep_mark(
     }
 }
 
-/// A mission's mark as it is kept.
+/// Converts a mission's mark to its kept form.
 #[inline]
 const fn tick_mark(time_us: u64, count: u32, mark: &MissionMark, wire_is_broken: bool) -> TickMark {
     TickMark {
@@ -50,7 +50,7 @@ const fn tick_mark(time_us: u64, count: u32, mark: &MissionMark, wire_is_broken:
     }
 }
 
-/// What a kept mark says of the mission.
+/// Converts a kept mark to the mission's.
 #[must_use]
 pub const fn mission_mark(mark: &TickMark) -> MissionMark {
     MissionMark {
@@ -65,7 +65,7 @@ pub const fn mission_mark(mark: &TickMark) -> MissionMark {
     }
 }
 
-/// What one snapshot holds: the mission, the inertial altitude that it flies with, and the mark of the same
+/// Contents of one snapshot: the mission, the inertial altitude that it flies with, and the mark of the same
 /// tick.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
@@ -75,9 +75,8 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Writes the inertial altitude, then the mission, and returns how many bytes they take. Where both do
-    /// not fit (a mission of eight effects with windows of a minute takes all there is), the mission is kept
-    /// alone.
+    /// Writes the inertial altitude, then the mission, and returns their number of bytes. If both do not fit
+    /// (a mission of eight effects with windows of a minute takes all the room), only the mission is kept.
     #[inline(never)]
     fn to_bytes(&self, buffer: &mut [u8; PAYLOAD_BYTES]) -> Result<usize, SnapshotError> {
         let written = self.write(self.inertial.as_ref(), buffer);
@@ -96,7 +95,7 @@ impl Snapshot {
     }
 }
 
-/// Takes the inertial altitude off a snapshot's bytes; the mission's follow.
+/// Splits the inertial altitude off a snapshot's bytes; the mission's follow.
 #[inline(never)]
 pub(crate) fn split_snapshot(bytes: &[u8]) -> Result<(Option<KeptInertial>, &[u8]), SnapshotError> {
     postcard::take_from_bytes(bytes).map_err(|_| SnapshotError::Format)
@@ -112,14 +111,14 @@ pub struct SnapshotKeeper {
 }
 
 impl SnapshotKeeper {
-    /// None has been kept since the start.
+    /// A keeper that has not kept any snapshot since the start.
     #[must_use]
     pub const fn new(order: SlotOrder, model: u64) -> Self {
         Self { order, model, last: None, lost: 0 }
     }
 
-    /// Makes the snapshot in `place`, if it is time for one. Under the pylon there is none to keep. It is
-    /// large: where it is made it stays.
+    /// Makes the snapshot in `place`, if one is due. Under the pylon none is kept. A snapshot is large, so it
+    /// is not moved.
     #[inline(never)]
     pub fn make_due<'a>(
         &self,
@@ -141,7 +140,7 @@ impl SnapshotKeeper {
         Some(place.write(Snapshot { mark, inertial: onboard.and_then(Onboard::kept), mission }))
     }
 
-    /// Keeps it; `buffer` is ordinary memory.
+    /// Keeps a snapshot; `buffer` is ordinary memory.
     #[inline(never)]
     pub fn keep(
         &mut self,
@@ -156,7 +155,7 @@ impl SnapshotKeeper {
         }
     }
 
-    /// How many could not be kept.
+    /// Number of snapshots that could not be kept.
     #[must_use]
     pub const fn lost(&self) -> u32 {
         self.lost

@@ -6,11 +6,11 @@ use crate::CRC;
 use crate::frame::{Frame, FrameError, HEAD, MAX_FRAME, TAIL};
 use crate::payload::Kind;
 
-/// Reads the frames of one stream, byte by byte; finds its place again after anything.
+/// Reads the frames of one stream byte by byte, and resynchronises after any error.
 #[derive(Debug)]
 pub struct Decoder {
     stuffing: DecoderState,
-    /// The bytes since the last zero are more than a frame can have.
+    /// More bytes have come since the last zero than a frame can have.
     too_long: bool,
     frame: [u8; MAX_FRAME],
     len: usize,
@@ -24,7 +24,7 @@ impl Default for Decoder {
 }
 
 impl Decoder {
-    /// At the start of a stream.
+    /// A decoder at the start of a stream.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -36,16 +36,16 @@ impl Decoder {
         }
     }
 
-    /// At the frame of that number in the middle of a stream.
+    /// A decoder in the middle of a stream, before the frame with that number.
     #[must_use]
     pub const fn at(sequence: u32) -> Self {
         Self { next_sequence: sequence, ..Self::new() }
     }
 
-    /// Takes one byte; returns the frame that it closes, or why it closes none.
+    /// Takes one byte. Returns the frame that it closes, or why the bytes are no frame.
     ///
     /// # Errors
-    /// The bytes since the last zero are no frame. The next zero starts afresh.
+    /// The bytes since the last zero are no frame. The next zero starts again.
     pub fn push(&mut self, byte: u8) -> Result<Option<Frame<'_>>, FrameError> {
         if self.too_long {
             if byte != 0 {
@@ -70,7 +70,7 @@ impl Decoder {
                 let len = core::mem::take(&mut self.len);
                 self.close(len).map(Some)
             }
-            // Only a zero can be wrong, so the next byte starts afresh.
+            // Only a zero can be wrong, so the next byte starts a new frame.
             Err(_) => {
                 self.len = 0;
                 Err(FrameError::Stuffing)
@@ -78,7 +78,7 @@ impl Decoder {
         }
     }
 
-    /// Whether bytes have come that no zero has closed: at the end of a stream, that it was cut.
+    /// Whether bytes have come after the last zero. At the end of a stream this means that it was cut.
     #[must_use]
     pub const fn is_inside_frame(&self) -> bool {
         self.too_long || !matches!(self.stuffing, DecoderState::Idle)
@@ -95,7 +95,7 @@ impl Decoder {
         let [kind, sequence @ ..] = *head;
         let kind = Kind::from_byte(kind).ok_or(FrameError::Kind(kind))?;
         let sequence = u32::from_le_bytes(sequence);
-        // A sender that has restarted counts from its header on again.
+        // A sender that has restarted counts from its header again.
         let starts_anew = kind == Kind::Header && sequence == 0;
         let missed = if starts_anew { 0 } else { sequence.wrapping_sub(self.next_sequence) };
         if missed > u32::MAX / 2 {

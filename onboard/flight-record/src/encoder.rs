@@ -15,16 +15,16 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// At the start of a stream.
+    /// An encoder at the start of a stream.
     #[must_use]
     pub const fn new() -> Self {
         Self { sequence: 0 }
     }
 
-    /// The bytes of the next frame, its closing zero included; they lie in `buffer`.
+    /// Encodes the next frame into `buffer`. Returns its bytes, including the closing zero.
     ///
     /// # Errors
-    /// The payload is too long; the stream goes on as if it had not been offered.
+    /// The payload is too long; the stream continues as if it had not been offered.
     pub fn encode<'a, P: Payload>(
         &mut self,
         payload: &P,
@@ -35,7 +35,7 @@ impl Encoder {
         self.close(P::KIND, &mut frame, payload_len, buffer)
     }
 
-    /// What is the same for all kinds of payload, so that it is in an image once.
+    /// The part common to all kinds of payload, so that an image contains it once.
     #[inline(never)]
     fn close<'a>(
         &mut self,

@@ -1,16 +1,16 @@
-//! How a flight of a record ended.
+//! How the replay of a record ended.
 
-/// Exit status of a flight computer that flies a record. QEMU and OpenOCD themselves use 1.
+/// Exit status of a flight computer that replays a record. QEMU and OpenOCD themselves use 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum ExitStatus {
-    /// The record was flown to its end, whatever was in it; the summary says what was wrong with it.
+    /// The record was flown to its end, whatever it contained; the summary reports its errors.
     Finished = 0,
-    /// There is no record to fly, or it cannot be opened.
+    /// There is no record, or it cannot be opened.
     NoInput = 10,
     /// The record does not start with a header of this version of the format.
     NoHeader = 11,
-    /// The record is meant for another model than the one that was compiled in.
+    /// The record is for another model than the compiled-in one.
     OtherModel = 12,
     /// The mission refused its configuration.
     Configuration = 13,

@@ -2,24 +2,24 @@
 
 use crate::payload::{Kind, MAGIC, Payload};
 
-/// Longest frame before stuffing, bytes. No payload of this crate comes near it.
+/// Longest frame before stuffing, bytes. All payloads of this crate are much shorter.
 pub const MAX_FRAME: usize = 640;
 /// Longest frame as sent, bytes: COBS adds one byte to every 254 and the closing zero one more.
 pub const MAX_STUFFED: usize = MAX_FRAME + MAX_FRAME.div_ceil(254) + 1;
 
 /// Bytes before the payload: kind and sequence number.
 pub(crate) const HEAD: usize = 5;
-/// Bytes after it: the check.
+/// Bytes after the payload: the check.
 pub(crate) const TAIL: usize = 4;
 
-/// A frame whose check was right.
+/// A frame with a right check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frame<'a> {
-    /// What it carries.
+    /// Kind of its payload.
     pub kind: Kind,
     /// Its number in the stream.
     pub sequence: u32,
-    /// Frames that are missing between the last good one and this.
+    /// Number of frames missing between the last good one and this.
     pub missed: u32,
     pub(crate) payload: &'a [u8],
 }
@@ -29,7 +29,7 @@ pub struct Frame<'a> {
 pub enum FrameError {
     /// Longer than [`MAX_FRAME`].
     TooLong,
-    /// Too short to be one.
+    /// Too short for a frame.
     TooShort,
     /// The stuffing is broken.
     Stuffing,
@@ -37,22 +37,22 @@ pub enum FrameError {
     Check,
     /// The kind is unknown.
     Kind(u8),
-    /// The sequence number has been there already.
+    /// The sequence number occurred before.
     Repeated,
 }
 
-/// Why a frame does not carry what was asked for.
+/// Why a frame does not carry the requested payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PayloadError {
-    /// It carries something else.
+    /// It carries another kind.
     Kind(Kind),
-    /// The payload breaks its format, or has bytes left over.
+    /// The payload is malformed, or has bytes left over.
     Format,
 }
 
 impl Frame<'_> {
-    /// The version of the format that a header of any version says; `None` for another frame, or a header
-    /// that is none. Magic and version are its first fields in every version.
+    /// The format's version in a header of any version; `None` for another frame or an invalid header. Magic
+    /// and version are the first fields in every version.
     #[must_use]
     pub fn format_version(&self) -> Option<u16> {
         let (magic, version): ([u8; 4], u16) = postcard::take_from_bytes(self.payload).ok()?.0;

@@ -1,4 +1,4 @@
-//! A flight as bytes: what goes into the flight computer and what comes out of it.
+//! A flight as bytes: the inputs and outputs of the flight computer.
 //!
 //! A stream is a sequence of frames. Before stuffing a frame is
 //!
@@ -9,13 +9,13 @@
 //! | any | the payload, in postcard's format |
 //! | 4 | CRC-32/ISO-HDLC of all that, little-endian |
 //!
-//! and is then stuffed by COBS (Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999) and
-//! closed by one zero byte. A reader that loses its place finds it again at the next zero; what it
-//! lost shows in the sequence numbers.
+//! and is then stuffed by COBS (Cheshire and Baker, "Consistent Overhead Byte Stuffing", 1999) and closed by
+//! one zero byte. A reader that loses its place finds it again at the next zero; gaps in the sequence numbers
+//! show what it lost.
 //!
-//! The first frame is a [`Header`]; one with the number 0 later in the stream says that the sender has
-//! restarted, and numbers go on from there. A stream of inputs ends with an [`End`], a stream of outputs with
-//! a [`Summary`]; without it the stream was cut.
+//! The first frame is a [`Header`]. A header with the number 0 later in the stream means that the sender has
+//! restarted, and numbers continue from there. A stream of inputs ends with an [`End`], a stream of outputs
+//! with a [`Summary`]; without it the stream was cut.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 

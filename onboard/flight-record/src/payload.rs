@@ -1,4 +1,4 @@
-//! What a frame can carry.
+//! The payloads of frames.
 
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
@@ -13,7 +13,7 @@ use crate::encoder::EncodeError;
 pub const MAGIC: [u8; 4] = *b"PYFR";
 /// Version of this format; a reader refuses any other.
 pub const FORMAT_VERSION: u16 = 11;
-/// Most parts that a tick's cost can be divided into.
+/// Largest number of parts into which a tick's cost can be divided.
 pub const MAX_PARTS: usize = 16;
 
 /// Kind of a payload: the first byte of its frame.
@@ -32,7 +32,7 @@ pub enum Kind {
     Summary = 5,
     /// [`LatchRecord`].
     Latch = 6,
-    /// A fault of a chip, `chip_models::flown::ChipFault`: it begins with the input that follows.
+    /// A fault of a chip, `chip_models::flown::ChipFault`; it begins with the next input.
     ChipFault = 7,
     /// [`RestartReport`].
     Restart = 8,
@@ -61,7 +61,7 @@ pub trait Payload: Serialize + DeserializeOwned {
     /// The kind of its frames.
     const KIND: Kind;
 
-    /// Writes it in postcard's format and says how many bytes that took.
+    /// Writes it in postcard's format. Returns the number of bytes.
     ///
     /// # Errors
     /// There is too little room.
@@ -75,8 +75,8 @@ fn written<P: Payload>(payload: &P, room: &mut [u8]) -> Result<usize, EncodeErro
     postcard::to_slice(payload, room).map(|bytes| bytes.len()).map_err(|_| EncodeError)
 }
 
-/// A payload whose writing is compiled here, once, and not wherever a frame is encoded: the firmware has this
-/// crate compiled for size.
+/// Implements a payload whose writing is compiled here, once, instead of wherever a frame is encoded: the
+/// firmware compiles this crate for size.
 macro_rules! payload {
     ($($(#[$doc:meta])* $payload:ty: $kind:ident;)*) => {
         $($(#[$doc])* impl Payload for $payload {
@@ -102,29 +102,29 @@ payload! {
     Summary: Summary;
 }
 
-/// Which way a stream goes.
+/// Direction of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub enum Stream {
     /// Into the flight computer: one [`TickInput`] a tick.
     Inputs,
-    /// Out of it: one [`TickRecord`] a tick.
+    /// Out of the flight computer: one [`TickRecord`] a tick.
     Outputs,
 }
 
-/// How the inputs of a record come, or came, to the flight computer's estimator.
+/// How the inputs of a record reach, or reached, the flight computer's estimator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub enum SensorSource {
-    /// As they are.
+    /// Unchanged.
     #[default]
     Ideal,
     /// Through the sensors' chips, or models of them, and the drivers.
     Chips,
 }
 
-/// What [`TickRecord::cost`] counts.
+/// Unit of [`TickRecord::cost`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub enum CostUnit {
-    /// Instructions, as QEMU counts them.
+    /// Instructions, as counted by QEMU.
     Instructions,
     /// Clock cycles of the core.
     Cycles,
@@ -137,11 +137,11 @@ pub struct Header {
     pub magic: [u8; 4],
     /// [`FORMAT_VERSION`].
     pub version: u16,
-    /// Which way the stream goes.
+    /// Direction of the stream.
     pub stream: Stream,
     /// Fingerprint of the model that the flight is meant for, or was flown with.
     pub model: u64,
-    /// What the inputs are for, or what the outputs came from.
+    /// How the inputs are to reach the estimator, or how the outputs' inputs reached it.
     pub sensors: SensorSource,
 }
 
@@ -153,76 +153,76 @@ impl Header {
     }
 }
 
-/// What one tick saw, what it said, and what it cost.
+/// Input, output and cost of one tick.
 #[derive(Clone, Debug, PartialEq, Serialize, serde::Deserialize)]
 pub struct TickRecord {
-    /// When its code began, wrapping: where a record is flown, by the clock of [`Summary::cost_unit`], with
-    /// the instructions of the chips' models; on the board that flies, the low half of the mission's
+    /// Time at which its code began, wrapping. In a replay: by the clock of [`Summary::cost_unit`], including
+    /// the instructions of the chips' models. On the flying board: the low half of the mission's
     /// microseconds, by a timer.
     pub begun: u32,
-    /// What the tick took, in the summary's [`Summary::cost_unit`].
+    /// Cost of the tick, in the summary's [`Summary::cost_unit`].
     pub cost: u32,
-    /// What was new, as the estimator got it.
+    /// New values, as passed to the estimator.
     pub input: TickInput,
-    /// What it said.
+    /// The estimator's output.
     pub output: TickOutput,
 }
 
 /// The last frame of a stream of inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct End {
-    /// How many inputs the stream held.
+    /// Number of inputs in the stream.
     pub inputs: u32,
 }
 
-/// What one part of the ticks took, in the summary's [`Summary::cost_unit`].
+/// Cost of one part of the ticks, in the summary's [`Summary::cost_unit`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct PartCost {
     /// Sum over all ticks.
     pub sum: u64,
-    /// The dearest tick's.
+    /// Largest in any tick.
     pub worst: u32,
 }
 
-/// The last frame of a stream of outputs: what the flight computer counted.
+/// The last frame of a stream of outputs: the flight computer's counts.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct Summary {
     /// Ticks that ran the mission.
     pub ticks: u32,
     /// Timer ticks at which no input was ready, so that the mission waited.
     pub underruns: u32,
-    /// Timer ticks at which results had no room, so that the mission waited.
+    /// Timer ticks at which there was no room for results, so that the mission waited.
     pub stalls: u32,
-    /// Results that were lost because they had no room and the mission could not wait.
+    /// Results that were lost because there was no room and the mission could not wait.
     pub lost_results: u32,
-    /// Input frames that were no frames ([`crate::FrameError`]).
+    /// Invalid input frames ([`crate::FrameError`]).
     pub bad_frames: u32,
-    /// Input frames whose payload was not what it said it was, or out of place.
+    /// Input frames whose payload was not of its stated kind, or out of place.
     pub bad_payloads: u32,
-    /// Input frames that are missing between those that came, by their sequence numbers.
+    /// Missing input frames, by their sequence numbers.
     pub missed_frames: u32,
-    /// The input had no [`End`], or its count was not the number of inputs that came.
+    /// Whether the input had no [`End`], or its count differed from the number of inputs received.
     pub input_cut: bool,
     /// Restarts since power-on.
     pub restarts: u32,
-    /// Input frames that were passed over after a restart: the flight went on meanwhile.
+    /// Input frames that were skipped after a restart, because the flight continued meanwhile.
     pub skipped_inputs: u32,
-    /// From the last reset until the first tick may come, in the costs' unit, where the board can tell.
+    /// Cost from the last reset to the earliest first tick, in the costs' unit, if the board can measure it.
     pub start_cost: Option<u32>,
     /// Snapshots that could not be kept.
     pub lost_snapshots: u32,
-    /// Polls of a sensor that failed.
+    /// Failed polls of sensors.
     pub sensor_faults: u32,
     /// Unit of the costs.
     pub cost_unit: CostUnit,
     /// Sum of the ticks' costs.
     pub cost_sum: u64,
-    /// The dearest tick's.
+    /// Largest cost of a tick.
     pub cost_worst: u32,
-    /// What each part of the ticks took, in the order of `flight_computer::Part`.
+    /// Costs of the parts of the ticks, in the order of `flight_computer::Part`.
     pub parts: heapless::Vec<PartCost, MAX_PARTS>,
-    /// Most stack that was ever in use, bytes.
+    /// Largest stack use, bytes.
     pub stack_used_bytes: u32,
-    /// Stack there is, bytes.
+    /// Size of the stack, bytes.
     pub stack_size_bytes: u32,
 }

@@ -1,4 +1,4 @@
-//! Blows planted into an emulated flight, to prove that it survives them.
+//! Blows: faults injected into an emulated flight, to prove that it survives them.
 
 use core::ffi::CStr;
 
@@ -7,11 +7,11 @@ pub const STRIKES_FILE: &CStr = c"strikes";
 /// Bytes of one blow.
 pub const STRIKE_BYTES: usize = 9;
 
-/// What strikes.
+/// Kind of a blow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Blow {
-    /// A reset that nobody records: a brown-out.
+    /// A reset without a record: a brown-out.
     Reset = 1,
     /// A panic in the tick.
     Panic = 2,
@@ -23,13 +23,13 @@ pub enum Blow {
     HangReport = 5,
     /// The tick calls itself until the stack is used up.
     StackOverflow = 6,
-    /// One bit of the newest snapshot, then a reset.
+    /// One bit of the newest snapshot flips, then a reset.
     FlipBit = 7,
-    /// Garbage over both snapshots, then a reset.
+    /// Garbage replaces both snapshots, then a reset.
     Garbage = 8,
     /// Both snapshots become another model's, then a reset.
     OtherModel = 9,
-    /// Both snapshots become something else with a right check, then a reset.
+    /// Both snapshots get other contents with a right check, then a reset.
     NoSnapshot = 10,
 }
 
@@ -49,25 +49,25 @@ impl Blow {
     ];
 }
 
-/// When what strikes.
+/// A blow and its time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strike {
-    /// What.
+    /// Kind of the blow.
     pub blow: Blow,
-    /// At the end of the first tick at or after this time, microseconds. A tick that a restart passes over
-    /// strikes nothing.
+    /// The blow comes at the end of the first tick at or after this time, microseconds. A tick that a restart
+    /// skips has no blow.
     pub time_us: u64,
 }
 
 impl Strike {
-    /// As bytes of the file.
+    /// Converts it to bytes of the file.
     #[must_use]
     pub fn to_bytes(self) -> [u8; STRIKE_BYTES] {
         let [a, b, c, d, e, f, g, h] = self.time_us.to_le_bytes();
         [self.blow as u8, a, b, c, d, e, f, g, h]
     }
 
-    /// From bytes of the file; `None` for what is none.
+    /// Converts from bytes of the file; `None` if they are invalid.
     #[must_use]
     pub fn from_bytes([blow, a, b, c, d, e, f, g, h]: [u8; STRIKE_BYTES]) -> Option<Self> {
         let blow = Blow::ALL.into_iter().find(|known| *known as u8 == blow)?;

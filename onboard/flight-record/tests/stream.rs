@@ -1,4 +1,4 @@
-//! Streams that are whole, cut, garbled and made up.
+//! Streams that are whole, cut, garbled and invented.
 #![allow(clippy::unwrap_used)]
 
 use flight_record::{
@@ -15,7 +15,7 @@ use kf_core::output::{
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-/// An input with everything in it, and the longest encoding of every field.
+/// An input with every field present, each at its longest encoding.
 fn longest_input() -> TickInput {
     TickInput {
         time_us: u64::MAX,
@@ -47,7 +47,7 @@ fn longest_input() -> TickInput {
     }
 }
 
-/// A tick's record with everything in it, and the longest encoding of every field.
+/// A tick's record with every field present, each at its longest encoding.
 fn longest_tick() -> TickRecord {
     let sensor = SensorOutput {
         bias_m: f32::MAX,
@@ -84,7 +84,7 @@ fn longest_tick() -> TickRecord {
     TickRecord { begun: u32::MAX, cost: u32::MAX, input: longest_input(), output }
 }
 
-/// A latched calibration of the most states there can be.
+/// A latched calibration with the largest number of states.
 fn longest_latch() -> LatchRecord {
     let sensor = SensorLatch {
         bias_m: f32::MAX,
@@ -111,10 +111,10 @@ fn stream<P: Payload>(payloads: &[P]) -> Vec<u8> {
     payloads.iter().flat_map(|payload| encoder.encode(payload, &mut buffer).unwrap().to_vec()).collect()
 }
 
-/// A frame as it was read: how many were missed before it, and its payload.
+/// A frame as read: the number of frames missing before it, and its payload.
 type Seen<P> = Result<(u32, Result<P, PayloadError>), FrameError>;
 
-/// What a decoder says of these bytes.
+/// What a decoder reads from these bytes.
 fn read<P: Payload>(bytes: &[u8]) -> Vec<Seen<P>> {
     let mut decoder = Decoder::new();
     let mut seen = Vec::new();
@@ -224,7 +224,7 @@ prop_compose! {
     }
 }
 
-/// The payload's bytes: equality of them is equality to the bit.
+/// The payload's bytes: if they are equal, the inputs are equal to the bit.
 fn bits(input: &TickInput) -> Vec<u8> {
     postcard::to_slice(input, &mut [0; MAX_FRAME]).unwrap().to_vec()
 }
@@ -250,13 +250,13 @@ proptest! {
         bytes[at] ^= garble;
         let seen = read::<TickInput>(&bytes);
         let good: Vec<_> = seen.iter().flatten().collect();
-        // A closing zero that is lost joins two frames into one bad one.
+        // A lost closing zero joins two frames into one bad one.
         prop_assert!(good.len() + 2 >= inputs.len());
         prop_assert!(good.len() < inputs.len());
         let missed: u32 = good.iter().map(|(missed, _)| missed).sum();
         let lost_before_the_last_good = u32::try_from(inputs.len() - good.len()).unwrap();
         prop_assert!(missed <= lost_before_the_last_good);
-        // Frames lost at the very end cannot show in sequence numbers: that is what the end frame is for.
+        // Sequence numbers cannot show frames lost at the very end; the end frame is for that.
         let last_is_good = good.last().is_some_and(|(_, last)| {
             last.as_ref().is_ok_and(|last| bits(last) == bits(&inputs[inputs.len() - 1]))
         });
@@ -274,7 +274,7 @@ proptest! {
         let mut bytes = garbage;
         bytes.push(0);
         let before = read::<TickInput>(&bytes);
-        // 32 bits of check let one frame in four thousand million through: none here.
+        // A 32-bit check passes one bad frame in four thousand million: none here.
         prop_assert!(before.iter().all(Result::is_err));
         bytes.extend(stream(&[tail]));
         let after = read::<TickInput>(&bytes);
@@ -283,7 +283,7 @@ proptest! {
         prop_assert_eq!(bits(payload.as_ref().unwrap()), bits(&tail));
     }
 
-    /// Garbage with a right check: the payload's own decoder must stand it too.
+    /// Garbage with a right check: the payload's own decoder must survive it too.
     #[test]
     fn a_checked_frame_of_garbage_never_panics(kind in any::<u8>(), payload in vec(any::<u8>(), 0..200)) {
         let mut frame = vec![kind, 0, 0, 0, 0];

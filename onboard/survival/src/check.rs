@@ -1,10 +1,10 @@
-//! The check that everything kept carries.
+//! The check of everything that is kept.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// CRC-32/ISO-HDLC of words, least significant byte first. Of nothing but zeros it is not zero.
+/// CRC-32/ISO-HDLC of words, least significant byte first. It is not zero if all words are zero.
 pub(crate) fn of_words(words: &[u32]) -> u32 {
     of_words_and_bytes(words, &[])
 }

@@ -1,8 +1,8 @@
-//! A timer of 32 bits as a clock of 64.
+//! Extends a 32-bit timer to a 64-bit clock.
 
 /// Carries a free-running 32-bit count of microseconds beyond its wrap after 71.6 minutes.
 ///
-/// It must be looked at at least once in that time; every tick does.
+/// It must be read at least once in that time; every tick does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WideClock {
     now_us: u64,

@@ -1,15 +1,15 @@
-//! What a crash leaves behind.
+//! The record that a crash leaves.
 
 use serde::{Deserialize, Serialize};
 
-/// Bytes kept of the name of a panic's source file: its end.
+/// Number of bytes kept of the name of a panic's source file: its end.
 pub const PLACE_BYTES: usize = 16;
 
 /// What ended the last run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Cause {
-    /// A reset by software that left no record: a debugger's, or that of a board that could not start.
+    /// A reset by software that left no record: by a debugger, or by a board that could not start.
     Unrecorded = 0,
     /// A panic: a bug.
     Panic = 1,
@@ -17,7 +17,7 @@ pub enum Cause {
     HardFault = 2,
     /// A fault of the core with the stack at its end.
     StackOverflow = 3,
-    /// Something that must be alive was not ([`crate::Supervisor`]).
+    /// A supervised activity showed no sign of life ([`crate::Supervisor`]).
     Stuck = 4,
     /// The supply was away or too low.
     Supply = 5,
@@ -58,18 +58,18 @@ impl Cause {
     }
 }
 
-/// The record of a crash; zero where a number was not to be had.
+/// The record of a crash. Values that were not available are zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CrashRecord {
     /// What happened.
     pub cause: Cause,
-    /// Bits of what was late ([`crate::Late`]).
+    /// Bits of the late activities ([`crate::Late`]).
     pub late: u8,
     /// Number of the exception that ran (ICSR.VECTACTIVE, ARMv7-M ARM B3.2.4); 0 for none.
     pub exception: u16,
-    /// Where the program was.
+    /// Program counter at the crash.
     pub pc: u32,
-    /// Where it would have returned to.
+    /// Link register: where the program would have returned to.
     pub lr: u32,
     /// Configurable Fault Status Register (ARMv7-M ARM B3.2.15).
     pub cfsr: u32,
@@ -83,7 +83,7 @@ pub struct CrashRecord {
     pub count: u32,
     /// Line of a panic.
     pub line: u32,
-    /// End of the name of its source file, filled up with zeros.
+    /// End of the name of its source file, padded with zeros.
     pub place: [u8; PLACE_BYTES],
 }
 
@@ -92,7 +92,7 @@ pub(crate) const WORDS: usize = 9 + PLACE_BYTES / 4;
 pub(crate) const SEALED_WORDS: usize = WORDS + 1;
 
 impl CrashRecord {
-    /// A record of nothing but its cause.
+    /// A record with its cause only.
     #[must_use]
     pub const fn new(cause: Cause) -> Self {
         Self {
@@ -111,7 +111,7 @@ impl CrashRecord {
         }
     }
 
-    /// With the place of a panic.
+    /// Adds the place of a panic.
     #[must_use]
     pub fn at(self, file: &str, line: u32) -> Self {
         let bytes = file.as_bytes();
@@ -123,7 +123,7 @@ impl CrashRecord {
         Self { line, place, ..self }
     }
 
-    /// End of the name of a panic's source file; empty for what was none.
+    /// End of the name of a panic's source file; empty if there was no panic.
     #[must_use]
     pub fn file(&self) -> &str {
         let length = self.place.iter().position(|byte| *byte == 0).unwrap_or(PLACE_BYTES);

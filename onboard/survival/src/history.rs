@@ -1,13 +1,14 @@
-//! How often the flight computer has restarted, and whether it crashes again as soon as it runs.
+//! Counts the flight computer's restarts, and detects whether it crashes again as soon as it runs.
 
-/// So many crashes in a row are borne without a pause.
+/// Number of crashes in a row that cause no pause.
 pub const CRASHES_AT_ONCE: u32 = 3;
-/// A run of this length ends a row of crashes, microseconds: four crashes within ten seconds are one.
+/// Length of a run that ends a row of crashes, microseconds: four crashes within ten seconds are a row.
 pub const STEADY_US: u64 = 3_333_333;
-/// The first pause, microseconds: longer than the watchdog's 0.25 s and than the transients, of up to a
-/// second, that a crash may come from; each next one is twice as long.
+/// The first pause, microseconds: longer than the watchdog's 0.25 s and than the transients of up to a second
+/// that may cause a crash. Each further pause is twice as long.
 pub const FIRST_PAUSE_US: u64 = 1_000_000;
-/// The longest: a flight computer that crashes at once is tried again more than three times a minute.
+/// The longest pause, microseconds: a flight computer that crashes at once is tried again more than three
+/// times a minute.
 pub const LONGEST_PAUSE_US: u64 = 16_000_000;
 
 pub(crate) const WORDS: usize = 4;
@@ -16,17 +17,17 @@ pub(crate) const SEALED_WORDS: usize = WORDS + 1;
 /// The restarts since power-on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct History {
-    /// How many there were.
+    /// Number of restarts.
     pub restarts: u32,
-    /// How many of the last ones were crashes, each after a run shorter than [`STEADY_US`].
+    /// Number of the last restarts that were crashes, each after a run shorter than [`STEADY_US`].
     pub crashes: u32,
-    /// Where the mission's clock went on at the last one, microseconds.
+    /// Time at which the mission's clock continued at the last restart, microseconds.
     pub resumed_us: u64,
 }
 
 impl History {
-    /// Counts one more, of a run that ended at `ended_us` of the mission's clock; the next begins at
-    /// `resumed_us`. Only what `is_crash` counts towards a pause.
+    /// Counts one more restart, after a run that ended at `ended_us` of the mission's clock; the next run
+    /// begins at `resumed_us`. Only a restart with `is_crash` counts towards a pause.
     #[must_use]
     pub const fn with_restart(self, is_crash: bool, ended_us: u64, resumed_us: u64) -> Self {
         let ran_us = ended_us.saturating_sub(self.resumed_us);
@@ -38,7 +39,7 @@ impl History {
         Self { restarts: self.restarts.saturating_add(1), crashes, resumed_us }
     }
 
-    /// How long to stand by before the mission goes on, microseconds, after a crash that is the last of
+    /// Length of the standby before the mission continues, microseconds, after a crash that is the last of
     /// [`Self::crashes`].
     #[must_use]
     pub const fn pause_us(&self) -> u64 {

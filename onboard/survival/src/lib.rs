@@ -1,6 +1,6 @@
-//! What the flight computer keeps over a reset, how it knows that it is alive, and how it starts again.
+//! What the flight computer keeps over a reset, how it supervises itself, and how it starts again.
 //!
-//! Nothing here knows a chip: memory comes as plain words ([`WordMemory`]), time as numbers.
+//! This crate depends on no chip: memory is accessed as plain words ([`WordMemory`]), time comes as numbers.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 

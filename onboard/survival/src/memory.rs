@@ -1,9 +1,8 @@
-//! Memory that a reset leaves alone, and the layout of what is kept in it.
+//! Memory that a reset leaves unchanged, and the layout of its contents.
 //!
-//! It is read and written in whole aligned words only. The backup SRAM of an STM32F405 lies in the
-//! peripherals' part of the address space, which is Device memory (ARMv7-M ARM, section B3.1): an access
-//! there that is not aligned faults, and a copy routine is free to make some. Bytes are put together in
-//! ordinary memory.
+//! It is read and written in whole aligned words only. The backup SRAM of an STM32F405 is in the peripherals'
+//! part of the address space, which is Device memory (ARMv7-M ARM, section B3.1): an unaligned access faults
+//! there, and a copy routine may make some. Bytes are therefore assembled in ordinary memory.
 
 use crate::check::of_words;
 use crate::crash::{self, CrashRecord};
@@ -11,29 +10,29 @@ use crate::history::{self, History};
 use crate::slots::SLOTS_WORDS;
 use crate::tick_mark::MARKS_WORDS;
 
-/// Words that the board keeps for itself.
+/// Number of words reserved for the board.
 pub const BOARD_WORDS: usize = 8;
 /// First word of the marks.
 pub(crate) const MARKS: usize = 0;
 /// First word of the snapshots' copies.
 pub(crate) const SLOTS: usize = MARKS + MARKS_WORDS;
 const CRASH: usize = SLOTS + SLOTS_WORDS;
-/// The same twice, written one after the other: a reset in between leaves one of them.
+/// Two copies of the history, written one after the other: a reset in between leaves one of them intact.
 const HISTORIES: [usize; 2] =
     [CRASH + crash::SEALED_WORDS, CRASH + crash::SEALED_WORDS + history::SEALED_WORDS];
 /// First of the board's own words.
 pub const BOARD: usize = HISTORIES[1] + history::SEALED_WORDS;
-/// Words of everything that is kept: they fit into the 4 KiB of an STM32F405's backup SRAM.
+/// Number of words in all: they fit into the 4 KiB of an STM32F405's backup SRAM.
 pub const RETAINED_WORDS: usize = BOARD + BOARD_WORDS;
 const _: () = assert!(RETAINED_WORDS <= 1_024);
 
-/// Memory of [`RETAINED_WORDS`] words that a reset leaves alone. It may begin with any content: what of it
-/// can be believed, its checks say.
+/// Memory of [`RETAINED_WORDS`] words that a reset leaves unchanged. Its initial content is arbitrary; the
+/// checks decide which of it is valid.
 pub trait WordMemory {
     /// The word at that place; 0 beyond the end.
     fn read(&self, word: usize) -> u32;
 
-    /// Writes a word; nothing beyond the end. Writes take effect in the order of their calls.
+    /// Writes a word; does nothing beyond the end. Writes take effect in the order of their calls.
     fn write(&mut self, word: usize, value: u32);
 }
 
@@ -58,14 +57,14 @@ pub fn keep_crash(memory: &mut impl WordMemory, record: CrashRecord) {
     write_sealed(memory, CRASH, record.to_words());
 }
 
-/// The record of a crash, once.
+/// Returns the record of a crash, and clears it.
 pub fn take_crash(memory: &mut impl WordMemory) -> Option<CrashRecord> {
     let record = read_sealed(memory, CRASH).and_then(CrashRecord::from_words);
     (CRASH..CRASH + crash::SEALED_WORDS).for_each(|word| memory.write(word, 0));
     record
 }
 
-/// The restarts since power-on; none if neither copy can be believed.
+/// The restarts since power-on; none if neither copy is valid.
 #[must_use]
 pub fn history(memory: &impl WordMemory) -> History {
     HISTORIES
@@ -80,7 +79,7 @@ pub fn keep_history(memory: &mut impl WordMemory, history: History) {
     HISTORIES.into_iter().for_each(|start| write_sealed(memory, start, history.to_words()));
 }
 
-/// Retained memory on the host: as a power-on leaves it, until something writes to it. Its supply can be cut
+/// Retained memory on the host: in the state after power-on until something is written. Its supply can be cut
 /// at any word of a write.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RetainedImage {
@@ -95,7 +94,7 @@ impl Default for RetainedImage {
 }
 
 impl RetainedImage {
-    /// Lets so many words more be written, and then none until [`Self::restore_supply`].
+    /// Keeps this many more writes, and then none until [`Self::restore_supply`].
     pub const fn cut_after(&mut self, writes: u32) {
         self.writes_left = Some(writes);
     }
@@ -106,12 +105,12 @@ impl RetainedImage {
         matches!(self.writes_left, Some(0))
     }
 
-    /// Writes are kept again.
+    /// Keeps writes again.
     pub const fn restore_supply(&mut self) {
         self.writes_left = None;
     }
 
-    /// Its words, to be looked at or changed.
+    /// Its words, to inspect or to change.
     pub const fn words_mut(&mut self) -> &mut [u32; RETAINED_WORDS] {
         &mut self.words
     }

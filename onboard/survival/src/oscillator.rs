@@ -1,13 +1,13 @@
-//! Which oscillator the core runs on: the crystal, or the internal one where the crystal does not start.
+//! Selects the core's oscillator: the crystal, or the internal one if the crystal does not start.
 
-/// Looks at the crystal before it is given up. A look takes at least five cycles of the 16 MHz that a reset
-/// leaves (load, test, count, branch): 20 ms, ten times what a crystal typically needs (2 ms, DS8626 rev 10,
-/// table 39).
+/// Number of polls of the crystal before it is given up. A poll takes at least five cycles (load, test,
+/// count, branch) of the 16 MHz after a reset: 20 ms, ten times what a crystal typically needs (2 ms, DS8626
+/// rev 10, table 39).
 const CRYSTAL_LOOKS: u32 = 64_000;
-/// Looks at the PLL: at least 1 ms, three times its longest lock (0.3 ms, DS8626, table 42).
+/// Number of polls of the PLL: at least 1 ms, three times its longest lock time (0.3 ms, DS8626, table 42).
 const LOCK_LOOKS: u32 = 3_200;
 
-/// What the core runs on.
+/// Oscillator of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Oscillator {
     /// The crystal.
@@ -29,14 +29,14 @@ pub trait ClockTree {
     fn crystal_runs(&self) -> bool;
     /// Starts the PLL on an oscillator, with the core still on the internal one.
     fn start_pll(&mut self, oscillator: Oscillator);
-    /// Stops it.
+    /// Stops the PLL.
     fn stop_pll(&mut self);
-    /// Whether it has locked.
+    /// Whether the PLL has locked.
     fn pll_is_locked(&self) -> bool;
 }
 
-/// Starts crystal and PLL, waiting for neither longer than it may take; the internal oscillator, which a
-/// reset leaves running, where the crystal fails.
+/// Starts crystal and PLL, and waits for each no longer than it may take. If the crystal fails, uses the
+/// internal oscillator, which runs after a reset.
 ///
 /// # Errors
 /// [`NoClock`].
@@ -45,7 +45,7 @@ pub fn start_clock(tree: &mut impl ClockTree) -> Result<Oscillator, NoClock> {
     if (0..CRYSTAL_LOOKS).any(|_| tree.crystal_runs()) && locks(tree, Oscillator::Crystal) {
         return Ok(Oscillator::Crystal);
     }
-    // A crystal that starts late would be one that nobody waits for.
+    // A crystal that starts later would not be used.
     tree.turn_crystal(false);
     if locks(tree, Oscillator::Internal) { Ok(Oscillator::Internal) } else { Err(NoClock) }
 }
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
     use core::cell::Cell;
 
-    /// A clock tree whose crystal runs, and whose PLL locks, after so many looks.
+    /// A clock tree whose crystal runs, and whose PLL locks, after this many polls.
     struct Tree {
         crystal_after: Option<u32>,
         locks_on: [bool; 2],

@@ -1,4 +1,4 @@
-//! What a restart says of itself.
+//! The report of a restart.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,22 +10,22 @@ use crate::tick_mark::TickMark;
 /// A restart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RestartReport {
-    /// How it started.
+    /// How the flight computer started.
     pub start: Start,
     /// What ended the last run.
     pub cause: Cause,
-    /// Its record, if it left one.
+    /// Record of the crash, if there is one.
     pub crash: Option<CrashRecord>,
     /// The last tick before the restart.
     pub mark: Option<TickMark>,
-    /// Time of the snapshot that the mission goes on from, microseconds.
+    /// Time of the snapshot from which the mission continues, microseconds.
     pub snapshot_us: Option<u64>,
-    /// Why a copy of the snapshot was not believed.
+    /// Why a copy of the snapshot was refused.
     pub refused: [Option<Refusal>; 2],
-    /// Where the mission's clock goes on, microseconds.
+    /// Time at which the mission's clock continues, microseconds.
     pub resumed_us: u64,
     /// Restarts since power-on.
     pub restarts: u32,
-    /// How long the flight computer has stood by before it went on, because it kept crashing, microseconds.
+    /// Length of the standby before the mission continued, because of repeated crashes, microseconds.
     pub pause_us: u64,
 }

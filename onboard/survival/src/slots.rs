@@ -1,38 +1,38 @@
-//! Two copies of what is kept, written in turn.
+//! Two copies of the kept state, written in turn.
 
 use serde::{Deserialize, Serialize};
 
 use crate::check::of_words_and_bytes;
 use crate::memory::{SLOTS, WordMemory};
 
-/// Bytes that one copy can hold.
+/// Capacity of one copy, bytes.
 pub const PAYLOAD_BYTES: usize = 1_920;
 
-/// First word of a copy that holds something.
+/// First word of a copy that is not empty.
 const MAGIC: u32 = 0x4b45_5054;
 /// Words before the payload: magic, sequence number, the model's fingerprint (low, high), length, check.
 const HEAD_WORDS: usize = 6;
 const SLOT_WORDS: usize = HEAD_WORDS + PAYLOAD_BYTES / 4;
 pub(crate) const SLOTS_WORDS: usize = 2 * SLOT_WORDS;
 
-/// Why a copy is not believed.
+/// Why a copy is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
     /// It was never written: all zeros, as a clean start leaves it.
     Empty,
-    /// Its check is wrong: it was changed, or a reset came while it was written.
+    /// Its check is wrong: it was changed, or a reset came while it was being written.
     Corrupt,
-    /// It is another model's.
+    /// It belongs to another model.
     OtherModel,
-    /// Its check is right and its content is not what it should be: another version of it, or of the
+    /// Its check is right but its content cannot be decoded: another version of the format, or of the
     /// program.
     NotUnderstood,
-    /// It is what was held at a suspicion of a launch that came to nothing.
+    /// It was held for a suspicion of a launch that was withdrawn.
     OtherLaunch,
 }
 
 impl Refusal {
-    /// The name used in logs and telemetry: what the copy is.
+    /// The name used in logs and telemetry: a description of the copy.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -49,19 +49,19 @@ impl Refusal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlotError;
 
-/// What a copy holds, in ordinary memory.
+/// Contents of a copy, in ordinary memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot<'a> {
-    /// Its number among all that were written, wrapping.
+    /// Its number among all copies written, wrapping.
     pub sequence: u32,
     /// Its payload.
     pub payload: &'a [u8],
 }
 
-/// Brings the copy at `place`, 0 or 1, into ordinary memory and checks it there.
+/// Copies the copy at `place`, 0 or 1, into ordinary memory and checks it there.
 ///
 /// # Errors
-/// [`Refusal`]: why it cannot be believed.
+/// [`Refusal`]: why it is refused.
 #[inline(never)]
 pub fn read_slot<'a>(
     memory: &impl WordMemory,
@@ -98,25 +98,25 @@ pub fn clear_slots(memory: &mut impl WordMemory) {
     }
 }
 
-/// Where the newest copy is, and the sequence number of the next.
+/// Place of the newest copy, and the sequence number of the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SlotOrder {
-    /// The place of the newest copy that can be believed, and that of the other; 1 and 0 if there is none.
+    /// Place of the newest valid copy, and that of the other; 1 and 0 if there is none.
     pub newest_first: [usize; 2],
-    /// Why a copy is not believed, by place.
+    /// Why a copy is refused, by place.
     pub refused: [Option<Refusal>; 2],
     sequence: u32,
 }
 
 impl SlotOrder {
-    /// Of two copies that hold nothing.
+    /// The order of two empty copies.
     pub const EMPTY: Self = Self { newest_first: [1, 0], refused: [Some(Refusal::Empty); 2], sequence: 0 };
 
-    /// Looks at both copies.
+    /// Reads and checks both copies.
     #[must_use]
     pub fn find(memory: &impl WordMemory, model: u64, buffer: &mut [u8; PAYLOAD_BYTES]) -> Self {
         let found = [0, 1].map(|place| read_slot(memory, place, model, buffer).map(|slot| slot.sequence));
-        // Later by half the circle of sequence numbers at most.
+        // A later copy is ahead by at most half the circle of sequence numbers.
         let is_first_newest = match found {
             [Ok(first), Ok(second)] => second.wrapping_sub(first) >= u32::MAX / 2,
             [first, _] => first.is_ok(),
@@ -127,8 +127,8 @@ impl SlotOrder {
         Self { newest_first, refused: [first.err(), second.err()], sequence: sequence.unwrap_or(0) }
     }
 
-    /// Keeps a payload in the place of the older copy or of one that cannot be believed; the other stays as
-    /// it is until this one is whole.
+    /// Keeps a payload in the place of the older copy or of an invalid one. The other copy stays unchanged
+    /// until this one is complete.
     ///
     /// # Errors
     /// [`SlotError`] if it is longer than [`PAYLOAD_BYTES`]; nothing is written.
@@ -147,7 +147,7 @@ impl SlotOrder {
         let sequence = self.sequence.wrapping_add(1);
         let head = [MAGIC, sequence, model as u32, (model >> 32) as u32, payload.len() as u32];
         let check = of_words_and_bytes(&head, payload);
-        // First of all it must not pass for what it was; whole it is with the last word, the magic one.
+        // First the old copy is invalidated; the new one is complete with its last word, the magic one.
         memory.write(start, 0);
         for (word, bytes) in payload.chunks(4).enumerate() {
             let value = bytes.iter().rev().fold(0, |value, byte| value << 8 | u32::from(*byte));
@@ -162,8 +162,8 @@ impl SlotOrder {
         Ok(())
     }
 
-    /// After copy `place` was found to be the one to go on from, whatever the checks had said of the other:
-    /// the next goes to the other place.
+    /// Records that the mission continues from copy `place`, whatever the checks found for the other: the
+    /// next copy goes to the other place.
     pub const fn use_copy(&mut self, place: usize) {
         let place = if place == 0 { 0 } else { 1 };
         self.newest_first = [place, 1 - place];
@@ -178,7 +178,7 @@ mod tests {
 
     const MODEL: u64 = 0x0123_4567_89ab_cdef;
 
-    /// The retained memory, with what a flight computer knows of it.
+    /// The retained memory, and the flight computer's order of its copies.
     struct Kept {
         memory: RetainedImage,
         order: SlotOrder,
@@ -199,7 +199,7 @@ mod tests {
             SlotOrder::find(&self.memory, model, &mut [0; PAYLOAD_BYTES])
         }
 
-        /// What a restart finds, the newest first.
+        /// Payloads that a restart finds, the newest first.
         fn payloads(&self) -> Vec<Vec<u8>> {
             let mut buffer = [0; PAYLOAD_BYTES];
             let places = self.found(MODEL).newest_first.into_iter();
@@ -279,7 +279,7 @@ mod tests {
             kept.keep(&payload);
             let newest = kept.payloads().remove(0);
             assert_eq!(newest, if cut == writes { &payload[..] } else { b"two" }, "{cut}");
-            // The next start writes over the torn one.
+            // The next start overwrites the torn copy.
             kept.memory.restore_supply();
             kept.order = kept.found(MODEL);
             kept.keep(b"three");

@@ -1,4 +1,4 @@
-//! How the flight computer starts, from what a reset has left.
+//! Decides how the flight computer starts, from what a reset has left.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,19 +8,18 @@ use crate::tick_mark::{Flight, TickMark};
 /// How the flight computer started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Start {
-    /// Nothing was kept, or nothing that may be used: power-on.
+    /// Power-on: nothing was kept, or nothing that may be used.
     Cold,
     /// It was reset in captive flight: the calibration starts again.
     Captive,
-    /// It was reset in free flight, and the mission goes on.
+    /// It was reset in free flight, and the mission continues.
     Resumed,
-    /// It was reset in free flight, and no snapshot can be believed: the calibration is lost.
+    /// It was reset in free flight, and no snapshot is valid: the calibration is lost.
     Lost,
-    /// It has crashed too often within too short a time, and there is no mission any more: only with
+    /// It has crashed too often within too short a time, and the mission does not continue: only with
     /// `Guard::StandbyEnds` taken out.
     Standby,
-    /// It was reset while a launch was suspected: the calibration is held, and the launch still to be
-    /// decided.
+    /// It was reset while a launch was suspected: the calibration is held, and the launch is still undecided.
     Suspected,
 }
 
@@ -39,7 +38,7 @@ impl Start {
     }
 }
 
-/// What reset the processor, as far as it can tell.
+/// What reset the processor, as far as the processor can tell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResetSource {
     /// The supply was away or too low.
@@ -52,16 +51,16 @@ pub enum ResetSource {
     IndependentWatchdog,
 }
 
-/// What a start finds.
+/// Evidence that a start finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Found {
     /// What reset the processor.
     pub source: ResetSource,
-    /// The last tick before it.
+    /// The last tick before the reset.
     pub mark: Option<TickMark>,
     /// The record of a crash.
     pub crash: Option<CrashRecord>,
-    /// Whether the break-wire is open now, where that can be told.
+    /// Whether the break-wire is open now; `None` if that cannot be determined.
     pub umbilical_is_open: Option<bool>,
 }
 
@@ -78,10 +77,9 @@ impl Found {
         }
     }
 
-    /// Whether a mission was interrupted, and not ended. What the flight computer has done to itself always
-    /// is an interruption. Anything else may as well be the switch, the reset button or a debugger, with what
-    /// was kept left from another flight: then it is one unless the wire is closed, which no vehicle in free
-    /// flight has.
+    /// Whether a mission was interrupted rather than ended. A reset by the flight computer itself always is
+    /// an interruption. Any other may be the switch, the reset button or a debugger, with contents kept from
+    /// another flight: it is an interruption unless the wire is closed, which it cannot be in free flight.
     #[must_use]
     pub fn is_interrupted(&self) -> bool {
         let by_itself = match self.source {
@@ -92,8 +90,8 @@ impl Found {
         (self.mark.is_some() || self.crash.is_some()) && (by_itself || self.umbilical_is_open != Some(false))
     }
 
-    /// How to start: [`Start::Resumed`] and [`Start::Suspected`] if there is a snapshot that can be believed.
-    /// `stands_by_for_ever`: with standby's end taken out.
+    /// How to start: [`Start::Resumed`] and [`Start::Suspected`] require a valid snapshot.
+    /// `stands_by_for_ever`: the guard that ends a standby is taken out.
     #[must_use]
     pub fn start(&self, stands_by_for_ever: bool) -> Start {
         match self.mark.map(|mark| mark.flight) {
@@ -140,13 +138,13 @@ mod tests {
     fn with_the_wire_closed_only_what_it_did_to_itself_is_an_interruption() {
         for (source, crashed, start) in [
             (ResetSource::Supply, false, Start::Cold),
-            // A crash whose own reset never came: the supply went away.
+            // A crash whose own reset did not come before the supply went away.
             (ResetSource::Supply, true, Start::Cold),
             (ResetSource::Pin, false, Start::Cold),
             (ResetSource::Pin, true, Start::Cold),
             // A debugger that has written another image.
             (ResetSource::Software, false, Start::Cold),
-            // A launch with the wire stuck, and then a crash.
+            // A launch with the wire stuck closed, and then a crash.
             (ResetSource::Software, true, Start::Resumed),
             (ResetSource::IndependentWatchdog, false, Start::Resumed),
         ] {

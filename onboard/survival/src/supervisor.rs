@@ -1,27 +1,27 @@
-//! Whether everything that must be alive is.
+//! Supervises whether every activity is alive.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-/// What must be alive.
+/// A supervised activity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Supervised {
     /// The mission's tick.
     Tick = 0,
-    /// The task that brings input.
+    /// The task that supplies input.
     Feed = 1,
     /// The task that writes results.
     Report = 2,
-    /// The stack, with its end untouched.
+    /// The stack: its end is untouched.
     Stack = 3,
     /// The task that sends the telemetry.
     Transmit = 4,
-    /// The task that makes it.
+    /// The task that makes the telemetry.
     Tell = 5,
 }
 
 impl Supervised {
-    /// All of them.
+    /// All supervised activities.
     pub const ALL: [Self; 6] =
         [Self::Tick, Self::Feed, Self::Report, Self::Stack, Self::Transmit, Self::Tell];
 
@@ -45,62 +45,62 @@ impl Supervised {
 
 const ALL: u32 = 0b11_1111;
 
-/// What has not been seen since the last feed.
+/// Activities without a sign of life since the last feed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Late(u8);
 
 impl Late {
-    /// Those of a byte that [`Self::bits`] gave.
+    /// From a byte of [`Self::bits`].
     #[must_use]
     pub const fn from_bits(bits: u8) -> Self {
         Self(bits)
     }
 
-    /// As a byte.
+    /// The bits as a byte.
     #[must_use]
     pub const fn bits(self) -> u8 {
         self.0
     }
 
-    /// Whether something is among it.
+    /// Whether an activity is among them.
     #[must_use]
     pub const fn contains(self, supervised: Supervised) -> bool {
         self.0 as u32 & supervised.bit() != 0
     }
 }
 
-/// Gathers signs of life. The watchdog may be fed only when every one of them has come since it last was:
-/// one task that goes on can then not hide another that does not.
+/// Collects signs of life. The watchdog may be fed only when every activity has given one since the last
+/// feed, so that a running task cannot hide a stopped one.
 #[derive(Debug, Default)]
 pub struct Supervisor {
     seen: AtomicU32,
 }
 
 impl Supervisor {
-    /// Nothing has been seen yet.
+    /// A supervisor without any signs of life yet.
     #[must_use]
     pub const fn new() -> Self {
         Self { seen: AtomicU32::new(0) }
     }
 
-    /// A sign of life. From any priority.
+    /// Records a sign of life. May be called from any priority.
     #[inline]
     pub fn is_alive(&self, supervised: Supervised) {
         self.seen.fetch_or(supervised.bit(), Ordering::Relaxed);
     }
 
-    /// Whether the watchdog may be fed: if so, everything has to be seen again before it next may.
+    /// Whether the watchdog may be fed. If so, every activity has to give a sign again before the next feed.
     #[inline]
     pub fn may_feed(&self) -> bool {
         let is_whole = self.seen.load(Ordering::Relaxed) & ALL == ALL;
         if is_whole {
-            // A sign that comes between the two is lost, and comes again.
+            // A sign between the load and the store is lost, but comes again.
             self.seen.store(0, Ordering::Relaxed);
         }
         is_whole
     }
 
-    /// What has not been seen since the last feed.
+    /// Activities without a sign of life since the last feed.
     #[must_use]
     pub fn late(&self) -> Late {
         Late((!self.seen.load(Ordering::Relaxed) & ALL) as u8)

@@ -1,18 +1,18 @@
-//! What is kept at every tick.
+//! The mark that is kept at every tick.
 
 use serde::{Deserialize, Serialize};
 
 use crate::memory::{MARKS, WordMemory, read_sealed, write_sealed};
 
-/// How far the flight had come.
+/// Stage of the flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum Flight {
     /// The UAV was under the pylon.
     Captive = 0,
-    /// It flew free.
+    /// The UAV was in free flight.
     Free = 1,
-    /// It may have left: that was not decided yet.
+    /// The UAV may have left; this was not decided yet.
     Suspected = 2,
     /// The UAV was under the pylon, and its break-wire was known to be broken.
     CaptiveUnwired = 3,
@@ -29,20 +29,20 @@ impl Flight {
     }
 }
 
-/// When the last tick was, and what a snapshot from before it cannot have.
+/// Time of the last tick, and state that an older snapshot cannot have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TickMark {
     /// The mission's time, microseconds.
     pub time_us: u64,
-    /// The board's free-running timer at that tick; its unit is the board's.
+    /// The board's free-running timer at that tick, in the board's own unit.
     pub count: u32,
     /// Raised flags, as a byte.
     pub flags: u8,
-    /// Failed checks of what is held or latched, as bits.
+    /// Failed checks of the held or latched calibration, as bits.
     pub failed_checks: u16,
-    /// Which suspicion of a launch a snapshot must be of, below 64.
+    /// Number of the launch suspicion that a snapshot must belong to, below 64.
     pub suspicions: u8,
-    /// How far the flight had come.
+    /// Stage of the flight.
     pub flight: Flight,
 }
 
@@ -54,15 +54,15 @@ const fn start(place: usize) -> usize {
     MARKS + place * SEALED_WORDS
 }
 
-/// Writes marks into two places in turn: a reset while one is written leaves the other.
+/// Writes marks to two places in turn: a reset during a write leaves the other mark intact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MarkWriter {
-    /// The place of the older mark.
+    /// Place of the older mark.
     next: usize,
 }
 
 impl MarkWriter {
-    /// Goes on from what there is.
+    /// Continues after the existing marks.
     #[must_use]
     pub fn find(memory: &impl WordMemory) -> Self {
         let [first, second] = [0, 1].map(|place| read(memory, place));
@@ -156,7 +156,7 @@ mod tests {
             let last = if cut == SEALED_WORDS as u32 { ticks + 1 } else { ticks };
             prop_assert_eq!(newest_mark(&memory), Some(mark(last << 30)));
             memory.restore_supply();
-            // The next start writes over the torn one: cut again, the same mark is left.
+            // The next start overwrites the torn mark: cut again, the same mark is left.
             let mut writer = MarkWriter::find(&memory);
             memory.cut_after(2);
             writer.keep(&mut memory, &mark((ticks + 2) << 30));

@@ -1,4 +1,4 @@
-//! What is said once, as a text, with its time and cause.
+//! Events: reported once, as a text, with time and cause.
 
 use heapless::Deque;
 use kf_core::effect::EffectId;
@@ -13,82 +13,81 @@ use survival::{Cause, Refusal};
 use crate::message::status_text;
 use crate::text::Text;
 
-/// Events that wait at most: a restart that lost the calibration, a latch with every check failed, every flag
-/// and eight effects.
+/// Largest number of waiting events: a restart that lost the calibration, a latch with every check failed,
+/// every flag and eight effects.
 const EVENTS: usize = 32;
 
-/// What happened.
+/// An event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
-    /// The calibration was latched, with so many failed checks.
+    /// The calibration was latched, with this many failed checks.
     Latched {
         /// Bits of [`FailedChecks`].
         failed: u16,
     },
-    /// One of them.
+    /// One of the failed checks.
     Failed(Check),
     /// A sensor's trust changed.
     Trust {
-        /// Of which sensor.
+        /// The sensor.
         sensor: Sensor,
-        /// To what.
+        /// Its new trust.
         trust: Trust,
-        /// The error (doubtful) or its moving average (untrustworthy) that was beyond, metres.
+        /// The error (doubtful) or its moving average (untrustworthy) that exceeded the alarm limit, metres.
         value_m: f32,
-        /// The bound, metres.
+        /// The alarm limit, metres.
         bound_m: f32,
     },
     /// A sensor that was unmonitored has a reference again.
     Monitored(Sensor),
-    /// The agreement of the two sensors that fly free, without a reference, changed.
+    /// The agreement of the two sensors that fly free changed, without a reference.
     CrossCheck {
-        /// To what.
+        /// The new agreement.
         agreement: Agreement,
-        /// Their difference (doubtful) or its moving average (disagree) that was beyond, metres.
+        /// Their difference (doubtful) or its moving average (disagree) that exceeded the limit, metres.
         value_m: f32,
-        /// The bound, metres.
+        /// The limit, metres.
         bound_m: f32,
     },
-    /// What stands behind the launch changed.
+    /// The certainty of the launch changed.
     Launch(LaunchDoubt),
-    /// The umbilical's wire is no witness any more, or is one again.
+    /// The umbilical's wire is no longer usable for the launch decision, or is usable again.
     Wire(WireCondition),
     /// The flight computer was restarted.
     Restarted {
-        /// So many times since power-on, with this one; 255 is as many or more.
+        /// Number of restarts since power-on, this one included; 255 means 255 or more.
         number: u8,
-        /// After what.
+        /// Cause of the restart.
         cause: Cause,
     },
-    /// A copy of what was kept was not believed.
+    /// A copy of the kept state was refused.
     Refused {
-        /// Which of the two.
+        /// Index of the copy.
         copy: u8,
-        /// Why.
+        /// Reason for the refusal.
         refusal: Refusal,
     },
-    /// The restarted mission went on, with what was latched.
+    /// The restarted mission continued with the latched calibration.
     Resumed {
-        /// From the copy that it goes on from to where its clock goes on: nothing is known of that time,
-        /// milliseconds.
+        /// Time from the copy to the time at which the clock continues, milliseconds: nothing is known of it.
         gap_ms: u32,
     },
-    /// It was in free flight, and no copy of the calibration could be believed.
+    /// It was in free flight, and no copy of the calibration was valid.
     Lost,
     /// It was in captive flight: the calibration starts again.
     Captive,
-    /// The flight computer started after that, and uses nothing of what was kept.
+    /// The flight computer started after this cause, and uses nothing of the kept state.
     Cold(Cause),
-    /// It keeps crashing, the last time so, and stands by before the mission goes on.
+    /// It keeps crashing, the last time by this cause, and stands by before the mission continues.
     Standby {
-        /// After what.
+        /// Cause of the last crash.
         cause: Cause,
-        /// For how long, microseconds.
+        /// Length of the standby, microseconds.
         pause_us: u64,
     },
     /// It runs on its internal oscillator, because the crystal did not start.
     InternalClock,
-    /// Which effect a coefficient belongs to.
+    /// The effect that a coefficient belongs to.
     Effect {
         /// The number in the name of the coefficient.
         number: u8,
@@ -98,29 +97,29 @@ pub enum Event {
 }
 
 impl Event {
-    /// The message. `time_us` is the event's, not that of the sending.
+    /// The event's message. `time_us` is the time of the event, not of the sending.
     ///
     /// | event | severity | text |
     /// |---|---|---|
     /// | latch, good | notice | `t=130.000 latched good` |
     /// | latch, degraded | warning | `t=130.000 latched degraded, 2 checks failed` |
     /// | each failed check | warning | `t=130.000 failed check settled` |
-    /// | doubtful | warning | `t=137.600 baro doubtful -40.4>40.3m`: error and bound |
-    /// | untrustworthy | error | `t=139.100 baro untrustworthy -41.0>40.3m`: moving average and bound |
+    /// | doubtful | warning | `t=137.600 baro doubtful -40.4>40.3m`: error and alarm limit |
+    /// | untrustworthy | error | `t=139.100 baro untrustworthy -41.0>40.3m`: moving average and alarm limit |
     /// | unmonitored | warning | `t=150.000 baro unmonitored: no reference` |
     /// | monitored again | notice | `t=152.000 baro monitored again` |
     /// | both sensors, without a reference | notice, warning, error | `t=160.000 baro-imu_slave doubtful 30.2>29.9m`, `agree`, `disagree` (moving average) |
     /// | launch suspected | warning | `t=129.995 launch suspected, calibration held` |
-    /// | and was none | notice | `t=130.105 launch not confirmed, calibrating` |
-    /// | launched, and nothing confirms it | warning | `t=130.105 launched, not confirmed` |
+    /// | suspicion withdrawn | notice | `t=130.105 launch not confirmed, calibrating` |
+    /// | launched, without confirmation | warning | `t=130.105 launched, not confirmed` |
     /// | the wire was found broken; unreadable | warning | `t=130.400 umbilical's wire broken` |
-    /// | and is whole again | notice | `t=131.000 umbilical's wire closed` |
-    /// | restart, its number since power-on, and after what | error | `t=140.000 restart 2: a panic` |
-    /// | a copy that was not believed, and why | critical | `t=140.000 copy 0 refused: corrupt` |
-    /// | restart in free flight, and of how long nothing is known | error | `t=140.000 resumed, 0.150s not known` |
-    /// | the same without a copy that could be believed | critical | `t=140.000 calibration lost in the restart` |
+    /// | the wire is whole again | notice | `t=131.000 umbilical's wire closed` |
+    /// | restart, its number since power-on, and its cause | error | `t=140.000 restart 2: a panic` |
+    /// | a copy that was refused, and why | critical | `t=140.000 copy 0 refused: corrupt` |
+    /// | restart in free flight, and the unknown time | error | `t=140.000 resumed, 0.150s not known` |
+    /// | the same without a valid copy | critical | `t=140.000 calibration lost in the restart` |
     /// | restart in captive flight | warning | `t=140.000 calibration starts again` |
-    /// | start that uses nothing of what was kept, and after what | notice | `t=0.000 cold start: a loss of power` |
+    /// | start without the kept state, and its cause | notice | `t=0.000 cold start: a loss of power` |
     /// | too many crashes | emergency | `t=140.000 standby 2s: a hard fault` |
     /// | no crystal | error | `t=0.000 no crystal: clock 1% to 4% off` |
     /// | coefficient's effect | info | `c_0 is baro.dynamic_pressure` |
@@ -227,25 +226,25 @@ impl Event {
     }
 }
 
-/// Events that wait to be sent.
+/// Events that wait for sending.
 #[derive(Debug)]
 pub struct Events {
     waiting: Deque<(u64, Event), EVENTS>,
 }
 
 impl Events {
-    /// None.
+    /// No events.
     pub const fn new() -> Self {
         Self { waiting: Deque::new() }
     }
 
-    /// Lets an event wait. Says whether there was a place.
+    /// Adds an event. Returns whether there was room.
     #[must_use]
     pub fn push(&mut self, time_us: u64, event: Event) -> bool {
         self.waiting.push_back((time_us, event)).is_ok()
     }
 
-    /// Whether none waits.
+    /// Whether no event waits.
     pub fn is_empty(&self) -> bool {
         self.waiting.is_empty()
     }
@@ -255,7 +254,7 @@ impl Events {
         self.waiting.front()
     }
 
-    /// Forgets that event.
+    /// Removes that event.
     pub fn forget_first(&mut self) {
         self.waiting.pop_front();
     }
@@ -368,7 +367,7 @@ mod tests {
         take(Event::Resumed { gap_ms: u32::MAX });
         take(Event::Lost);
         take(Event::Captive);
-        // At fifty bytes the last may have been cut.
+        // A text of fifty bytes may have been cut.
         assert!(longest < crate::text::MAX_TEXT, "{longest}");
     }
 }

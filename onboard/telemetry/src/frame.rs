@@ -1,25 +1,25 @@
 //! One MAVLink 2 frame: marker, header, payload, CRC; unsigned.
 //!
-//! Source: MAVLink guide, "Packet Serialization". The payload is the `mavlink` crate's.
+//! Source: MAVLink guide, "Packet Serialization". The payload comes from the `mavlink` crate.
 
 use crc::{CRC_16_MCRF4XX, Crc};
 use mavlink::{MavlinkVersion, MessageData};
 
 use crate::{COMPONENT_ID, SYSTEM_ID};
 
-/// Marker and header, bytes.
+/// Length of marker and header, bytes.
 const HEADER: usize = 10;
-/// The longest payload that is sent: HIGHRES_IMU with its extension.
+/// Length of the longest payload that is sent, bytes: HIGHRES_IMU with its extension.
 const MAX_PAYLOAD: usize = 63;
-/// The longest frame that is sent, bytes.
+/// Length of the longest frame that is sent, bytes.
 pub const MAX_FRAME: usize = HEADER + MAX_PAYLOAD + CRC_BYTES;
 const CRC_BYTES: usize = 2;
 /// MAVLink 2's marker.
 const MARKER: u8 = 0xfd;
-/// MAVLink's "X.25" checksum, which the catalogue of CRCs calls MCRF4XX.
+/// MAVLink's "X.25" checksum, called MCRF4XX in the catalogue of CRCs.
 const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_MCRF4XX);
 
-/// A frame, whole.
+/// A complete frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     len: u8,
@@ -30,9 +30,9 @@ impl Frame {
     /// A frame without bytes.
     pub const EMPTY: Self = Self { len: 0, bytes: [0; MAX_FRAME] };
 
-    /// The frame of a message with that sequence number.
+    /// The frame of a message, with that sequence number.
     ///
-    /// The longest message is known when this is compiled: a longer one does not compile.
+    /// The length of the longest message is known at compile time: a longer one does not compile.
     #[must_use]
     pub fn new<M: MessageData>(message: &M, sequence: u8) -> Self {
         const { assert!(M::ENCODED_LEN <= MAX_PAYLOAD) };
@@ -47,7 +47,7 @@ impl Frame {
         frame
     }
 
-    /// Adds the CRC behind so many bytes; once for all messages, as the generic part is there for each.
+    /// Adds the CRC after `len` bytes. Not generic, so that it exists once for all messages.
     #[inline(never)]
     fn seal(&mut self, len: usize, extra_crc: u8) {
         let mut digest = CHECKSUM.digest();
@@ -66,7 +66,7 @@ impl Frame {
     }
 }
 
-/// Bytes on the line of a message of that payload length at most: zeros at its end are not sent.
+/// Largest number of bytes on the line for a message with that payload length: trailing zeros are not sent.
 pub(crate) const fn line_bytes(payload: usize) -> u32 {
     (HEADER + payload + CRC_BYTES) as u32
 }

@@ -1,13 +1,13 @@
-//! What the flight computer tells the ground: MAVLink 2 messages, made once a tick and sent as the line
+//! The flight computer's telemetry to the ground: MAVLink 2 messages, made once a tick and sent as the line
 //! has room.
 //!
-//! [`Telemetry::tick`] turns a tick's input and output into messages; the rate table is [`Rates`], the
-//! messages' fields and units are in [`message`], the names of the plain values in [`named`]. A whole
-//! frame goes into a queue without waiting, or is dropped and counted by message ([`Link`]); the other
-//! end of the queue feeds the UART. A dropped frame has used up its sequence number, so that the receiver
-//! sees the gap that the counters tell of.
+//! [`Telemetry::tick`] turns a tick's input and output into messages. The rate table is [`Rates`], the
+//! messages' fields and units are in [`message`], the names of the plain values in [`named`]. A whole frame
+//! is queued without waiting, or is dropped and counted by message ([`Link`]); the other end of the queue
+//! feeds the UART. A dropped frame uses up its sequence number, so that the receiver sees a gap where the
+//! counters report a drop.
 //!
-//! Whatever is not known is sent as MAVLink's "unknown" for that field, or is not sent.
+//! A value that is not known is sent as MAVLink's "unknown" for its field, or is not sent.
 #![cfg_attr(not(test), no_std)]
 #![forbid(unsafe_code)]
 
@@ -33,5 +33,5 @@ pub use telemetry::{Telemetry, TickReport};
 
 /// MAVLink's system id of the vehicle.
 pub const SYSTEM_ID: u8 = 1;
-/// Its component: an onboard computer (`MAV_COMP_ID_ONBOARD_COMPUTER`), beside the autopilot's 1.
+/// MAVLink's component id: an onboard computer (`MAV_COMP_ID_ONBOARD_COMPUTER`), beside the autopilot's 1.
 pub const COMPONENT_ID: u8 = 191;

@@ -1,27 +1,27 @@
-//! The queue of frames between the tick and the UART, and what did not fit into it.
+//! The queue of frames between the tick and the UART, and counts of frames that did not fit into it.
 
 use heapless::spsc::{Producer, Queue};
 use mavlink::MessageData;
 
 use crate::frame::Frame;
 
-/// Frames that wait for the line at most, one slot of which stays empty.
+/// Capacity of the queue, frames; one slot stays empty.
 pub const FRAMES: usize = 32;
 
-/// What a message may take of a queue that fills up: a saturated link loses samples first, and never the
-/// telling that it does.
+/// Share of a filling queue that a message may use. A saturated link loses samples first, and never the
+/// reports of the loss.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Priority {
-    /// Samples and fixes: there will be another in a few ticks.
+    /// Samples and fixes: the next ones come in a few ticks.
     Sample,
-    /// What is sent in turn, one a tick.
+    /// Messages sent in turn, one a tick.
     Turn,
-    /// The phase, the status and what is said once.
+    /// The phase, the status and messages that are sent once.
     Status,
 }
 
 impl Priority {
-    /// Slots that are left to the more important.
+    /// Number of slots left to messages of higher priority.
     const fn left_to_others(self) -> usize {
         match self {
             Self::Sample => 8,
@@ -57,9 +57,9 @@ pub enum MessageKind {
 }
 
 impl MessageKind {
-    /// How many there are.
+    /// Number of messages.
     pub const COUNT: usize = 8;
-    /// Every one, in the order of its counters.
+    /// Every message, in the order of its counters.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Heartbeat,
         Self::SysStatus,
@@ -75,21 +75,21 @@ impl MessageKind {
 /// Frames by message, in the order of [`MessageKind`]; all saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounts {
-    /// Frames that went into the queue.
+    /// Frames that were queued.
     pub queued: [u32; MessageKind::COUNT],
-    /// Frames that found it full. A text is not lost in the queue but before it, where it waits: those
-    /// count the texts that found no place to wait.
+    /// Frames that found the queue full. A text is lost before the queue, where it waits: its count is of the
+    /// texts that found no room to wait.
     pub dropped: [u32; MessageKind::COUNT],
 }
 
 impl LinkCounts {
-    /// Frames of every message that went into the queue.
+    /// Queued frames of all messages.
     #[must_use]
     pub fn all_queued(&self) -> u32 {
         self.queued.iter().fold(0, |sum, count| sum.saturating_add(*count))
     }
 
-    /// Frames of every message that were dropped.
+    /// Dropped frames of all messages.
     #[must_use]
     pub fn all_dropped(&self) -> u32 {
         self.dropped.iter().fold(0, |sum, count| sum.saturating_add(*count))
@@ -104,21 +104,21 @@ pub struct Link<'a> {
 }
 
 impl<'a> Link<'a> {
-    /// A link on that end of a queue.
+    /// A link with that end of a queue.
     #[must_use]
     pub const fn new(frames: Producer<'a, Frame>) -> Self {
         let counts = LinkCounts { queued: [0; MessageKind::COUNT], dropped: [0; MessageKind::COUNT] };
         Self { frames, sequence: 0, counts }
     }
 
-    /// What was counted.
+    /// The counts.
     #[must_use]
     pub const fn counts(&self) -> &LinkCounts {
         &self.counts
     }
 
-    /// Sends a message of which there will be another, or drops and counts it. Dropped or not, it uses
-    /// up a sequence number.
+    /// Sends a message that will be repeated, or drops and counts it. In both cases it uses up a sequence
+    /// number.
     #[inline(never)]
     pub fn send<M: MessageData>(&mut self, kind: MessageKind, priority: Priority, message: &M) {
         let room = self.room() > priority.left_to_others() && self.enqueue(message);
@@ -126,8 +126,8 @@ impl<'a> Link<'a> {
         count(if room { &mut self.counts.queued } else { &mut self.counts.dropped }, kind);
     }
 
-    /// Sends a message that is said once, if the queue has any room; otherwise the caller keeps it. Says
-    /// whether it went.
+    /// Sends a message that is sent once, if the queue has any room; otherwise the caller keeps it. Returns
+    /// whether it was sent.
     #[inline(never)]
     pub fn offer<M: MessageData>(&mut self, kind: MessageKind, message: &M) -> bool {
         let went = self.enqueue(message);

@@ -1,12 +1,12 @@
-//! The plain values: their names, at most ten letters, and units.
+//! The plain values: their names, of at most ten letters, and units.
 //!
-//! Samples, with the time of the sample, as often as [`crate::Rates`] says:
+//! Samples, with the time of the sample, at the rates of [`crate::Rates`]:
 //!
 //! | name | value | unit |
 //! |---|---|---|
 //! | `alt_master` | the mother ship's inertial altitude | m |
 //! | `alt_slave` | the UAV's inertial altitude | m |
-//! | `gps_vd` | velocity down of a fix, which GPS_RAW_INT has no field for | m/s |
+//! | `gps_vd` | velocity down of a fix, for which GPS_RAW_INT has no field | m/s |
 //! | `tas`, `aoa`, `sideslip` | true airspeed, angle of attack, sideslip | m/s, rad, rad |
 //! | `throttle` | throttle, 0 to 1 | 1 |
 //! | `oat` | outside air temperature | degrees Celsius |
@@ -22,9 +22,9 @@
 //! | `tr_` | trust: 0 calibrating, 1 trusted, 2 doubtful, 3 untrustworthy, 4 unmonitored | 1 |
 //! | `b_`, `sb_` | bias, and its sigma by the filter | m |
 //! | `sr_` | spread of the calibrated residual (1 sigma), after the latch | m |
-//! | `bd_` | the monitor's bound, after the latch | m |
+//! | `bd_` | the monitor's alarm limit, after the latch | m |
 //!
-//! And:
+//! Other values:
 //!
 //! | name | value | unit |
 //! |---|---|---|
@@ -45,14 +45,14 @@ use kf_core::sensor::{SENSORS, Sensor};
 
 use crate::link::MessageKind;
 
-/// A name as the message carries it: shorter ones end with zeros.
+/// A name as in the message: shorter names are padded with zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Name([u8; Name::LEN]);
 
 impl Name {
     const LEN: usize = 10;
 
-    /// The name of that text; a longer one than ten letters does not compile as a constant.
+    /// The name with that text; more than ten letters do not compile in a constant.
     const fn new(text: &str) -> Self {
         let text = text.as_bytes();
         assert!(text.len() <= Self::LEN && !text.is_empty());
@@ -65,13 +65,13 @@ impl Name {
         Self(name)
     }
 
-    /// The message's field.
+    /// The name as the message's field.
     #[must_use]
     pub const fn field(self) -> CharArray<10> {
         CharArray::new(self.0)
     }
 
-    /// The text.
+    /// The name as text.
     #[must_use]
     pub fn text(&self) -> &str {
         let len = self.0.iter().position(|byte| *byte == 0).unwrap_or(Self::LEN);
@@ -116,7 +116,7 @@ names! {
     WIRE = "wire",
 }
 
-/// Names of one value of every sensor, in the order of [`Sensor`].
+/// Names of one value, for every sensor in the order of [`Sensor`].
 type OfSensors = [Name; SENSORS];
 
 macro_rules! of_sensors {
@@ -182,7 +182,7 @@ pub const DROPPED: [Name; MessageKind::COUNT] = const {
     ]
 };
 
-/// The number that stands for a trust.
+/// The number for a trust.
 #[must_use]
 pub const fn trust_number(trust: Trust) -> f32 {
     match trust {
@@ -194,7 +194,7 @@ pub const fn trust_number(trust: Trust) -> f32 {
     }
 }
 
-/// The number that stands for what the umbilical's wire is taken for.
+/// The number for the condition of the umbilical's wire.
 #[must_use]
 pub const fn wire_number(wire: WireCondition) -> f32 {
     match wire {

@@ -1,26 +1,25 @@
-//! How often each message is sent, and whether the line carries that.
+//! How often each message is sent, and whether the line can carry that.
 
 use crate::frame::line_bytes;
 use crate::link::MessageKind;
 
 /// A second, microseconds.
 const SECOND_US: u32 = 1_000_000;
-/// The rate of what is sent at every tick that has it, at most: the flight computer's own.
+/// Shortest period of messages sent at every tick: the flight computer's own, microseconds.
 const TICK_US: u32 = 5_000;
-/// A byte on the line: start, eight bits, stop.
+/// Bits of a byte on the line: start, eight bits, stop.
 const BITS_PER_BYTE: u32 = 10;
-/// Share of the line that the table may take, percent: the rest is for the drops' own telling, and for what
-/// comes in bursts.
+/// Share of the line that the table may use, percent: the rest is for reports of drops, and for bursts.
 const SHARE_PERCENT: u32 = 80;
 
 /// Why there are no rates for a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RatesError {
-    /// The line carries not even the narrow table.
+    /// The line cannot carry even the narrow table.
     LineTooSlow,
 }
 
-/// The rate table: periods in microseconds; 0 is "at every tick that has a new sample".
+/// The rate table: periods in microseconds; 0 means "at every tick that has a new sample".
 ///
 /// | what | message | full | narrow |
 /// |---|---|---|---|
@@ -35,11 +34,11 @@ pub enum RatesError {
 /// | texts, as they come, up to | STATUSTEXT | 20 Hz | 5 Hz |
 /// | phase; status; launch; outside air temperature, each | HEARTBEAT, SYS_STATUS, NAMED_VALUE_FLOAT | 1 Hz | 1 Hz |
 ///
-/// Besides the samples and fixes, one message a tick goes at most: the one that has been due longest.
+/// Besides the samples and fixes, at most one message a tick is sent: the one that has been due longest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rates {
-    /// HIGHRES_IMU. With a period, the message waits for a tick with a barometer's sample, so that none is
-    /// sent under another tick's time.
+    /// Period of HIGHRES_IMU. Unless it is 0, the message waits for a tick with a barometer's sample, so that
+    /// no sample is sent with another tick's time.
     pub sample_us: u32,
     /// Each inertial altitude.
     pub inertial_altitude_us: u32,
@@ -60,7 +59,7 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// Every sample: what the ground records is what the estimator got.
+    /// Every sample: the ground records what the estimator received.
     pub const FULL: Self = Self {
         sample_us: 0,
         inertial_altitude_us: 0,
@@ -88,10 +87,10 @@ impl Rates {
 
     /// HEARTBEAT, SYS_STATUS, the launch, the outside air temperature.
     pub const SECOND_US: u32 = SECOND_US;
-    /// The names of the effects, for who joins late.
+    /// Period of the effects' names, for a ground station that joins late.
     pub const ANNOUNCE_US: u32 = 60 * SECOND_US;
 
-    /// The fullest table that a line of that rate carries within 80 %.
+    /// The fullest table that a line of that rate can carry within 80 %.
     ///
     /// # Errors
     /// [`RatesError::LineTooSlow`].
@@ -105,13 +104,13 @@ impl Rates {
         }
     }
 
-    /// Whether a line of that rate carries this table within 80 %.
+    /// Whether a line of that rate can carry this table within 80 %.
     #[must_use]
     pub const fn fits(&self, baud: u32) -> bool {
         self.bytes_per_second() <= baud / BITS_PER_BYTE / 100 * SHARE_PERCENT
     }
 
-    /// What this table takes at most, every sensor delivering at every tick, bytes a second.
+    /// Largest load of this table, with every sensor delivering at every tick, bytes a second.
     #[must_use]
     pub const fn bytes_per_second(&self) -> u32 {
         const NAMED: u32 = MessageKind::NamedValueFloat.line_bytes();
@@ -130,7 +129,7 @@ impl Rates {
 }
 
 impl MessageKind {
-    /// Most bytes of one of its frames: the payload of the definition, extensions included.
+    /// Largest number of bytes of one of its frames, with the full payload including extensions.
     #[must_use]
     pub const fn line_bytes(self) -> u32 {
         use mavlink::dialects::common as messages;
@@ -165,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_second_of_the_table_is_what_its_messages_weigh() {
-        // By hand: frames of 12 bytes and the payloads of MAVLink's definitions.
+        // Computed by hand: frames of 12 bytes and the payloads of MAVLink's definitions.
         let full = 200 * 75 + 400 * 30 + 200 * (64 + 30) + 20 * 40 + 40 * 30 + 10 * 44 + 30 * 30 + 20 * 66;
         assert_eq!(Rates::FULL.bytes_per_second(), full + 21 + 55 + 60);
         let narrow = 50 * 75 + 50 * 30 + 10 * (64 + 30) + 10 * 40 + 20 * 30 + 5 * 44 + 15 * 30 + 5 * 66;

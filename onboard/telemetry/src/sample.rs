@@ -1,6 +1,6 @@
-//! A value that waits to be sent.
+//! A value that waits for sending.
 
-/// The latest sample of something, and whether it has been sent.
+/// The latest sample of a value, and whether it has been sent.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<T> {
     value: Option<(u32, T)>,
@@ -8,10 +8,10 @@ pub struct Sample<T> {
 }
 
 impl<T: Copy> Sample<T> {
-    /// None yet.
+    /// No sample yet.
     pub const NONE: Self = Self { value: None, sent: true };
 
-    /// Takes a sample of that time, if there is one.
+    /// Stores a sample with that time, if there is one.
     pub fn take(&mut self, time_ms: u32, sample: Option<T>) {
         if let Some(sample) = sample {
             self.value = Some((time_ms, sample));
@@ -19,12 +19,12 @@ impl<T: Copy> Sample<T> {
         }
     }
 
-    /// Whether there is one that has not been sent.
+    /// Whether there is a sample that has not been sent.
     pub const fn is_new(&self) -> bool {
         !self.sent
     }
 
-    /// The one that has not been sent, which now counts as sent.
+    /// Returns the sample that has not been sent, and marks it as sent.
     pub fn send(&mut self) -> Option<(u32, T)> {
         if self.sent {
             return None;
@@ -33,7 +33,7 @@ impl<T: Copy> Sample<T> {
         self.value
     }
 
-    /// The latest, sent or not, with its time.
+    /// The latest sample, sent or not, with its time.
     pub const fn latest(&self) -> Option<(u32, T)> {
         self.value
     }

@@ -1,13 +1,13 @@
-//! What is due.
+//! Schedules the messages.
 
-/// When something is to be sent next.
+/// Time at which something is to be sent next.
 #[derive(Clone, Copy, Debug)]
 pub struct Due {
     at_us: u64,
 }
 
 impl Due {
-    /// At once.
+    /// Due at once.
     pub const NOW: Self = Self { at_us: 0 };
 
     /// Whether it is due.
@@ -15,19 +15,19 @@ impl Due {
         now_us >= self.at_us
     }
 
-    /// For how long it has been due, microseconds.
+    /// Time for which it has been due, microseconds.
     pub const fn overdue_us(self, now_us: u64) -> u64 {
         now_us.saturating_sub(self.at_us)
     }
 
-    /// Sets the next time: a period after the last, and if that is past, after now.
+    /// Sets the next time: a period after the last, or after now if that is past.
     pub fn sent(&mut self, now_us: u64, period_us: u32) {
         let next_us = self.at_us.saturating_add(period_us.into());
         self.at_us = if next_us > now_us { next_us } else { now_us.saturating_add(period_us.into()) };
     }
 }
 
-/// The messages of which one a tick is sent, and [`Slot::COUNT`] of them.
+/// Messages of which one a tick is sent; there are [`Slot::COUNT`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Slot {
@@ -78,19 +78,19 @@ impl Slot {
     ];
 }
 
-/// When each slot is due.
+/// Times at which the slots are due.
 #[derive(Clone, Copy, Debug)]
 pub struct Schedule {
     due: [Due; Slot::COUNT],
 }
 
 impl Schedule {
-    /// Everything at once.
+    /// Every slot due at once.
     pub const fn new() -> Self {
         Self { due: [Due::NOW; Slot::COUNT] }
     }
 
-    /// The slot that has been due longest, of those that have something to send; the first of several.
+    /// The slot that has been due longest, of those with something to send; the first if there are several.
     pub fn next(&self, now_us: u64, has_something: impl Fn(Slot) -> bool) -> Option<Slot> {
         let mut found = None;
         for (slot, due) in Slot::ALL.into_iter().zip(&self.due) {
@@ -107,7 +107,7 @@ impl Schedule {
         self.set(slot, |due| *due = Due::NOW);
     }
 
-    /// Notes that a slot was sent.
+    /// Records that a slot was sent.
     pub fn sent(&mut self, slot: Slot, now_us: u64, period_us: u32) {
         self.set(slot, |due| due.sent(now_us, period_us));
     }

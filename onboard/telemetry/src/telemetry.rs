@@ -1,4 +1,4 @@
-//! From ticks to messages.
+//! Turns ticks into messages.
 
 use heapless::Vec;
 use kf_core::atmosphere::pressure_altitude_m;
@@ -27,29 +27,30 @@ mod watch;
 use turns::Turn;
 use watch::Watch;
 
-/// With a period, HIGHRES_IMU waits so long for a barometer's sample, then goes without, microseconds.
+/// Longest wait of HIGHRES_IMU, at rates with a period, for a barometer's sample; then it is sent without
+/// one, microseconds.
 const BAROMETER_PATIENCE_US: u64 = 100_000;
-/// A fix older than this is no altitude of the vehicle any more, milliseconds.
+/// Age beyond which a fix is no longer used as the vehicle's altitude, milliseconds.
 const FIX_LIFE_MS: u32 = 2_000;
 
-/// Inertial unit and barometer, two inertial altitudes, the receiver.
+/// Number of sources: inertial unit and barometer, two inertial altitudes, the receiver.
 const SOURCES: u8 = 4;
 
-/// What a tick of the mission took in and put out.
+/// Input and output of a tick of the mission.
 #[derive(Clone, Copy, Debug)]
 pub struct TickReport<'a> {
-    /// What went into the tick.
+    /// The tick's input.
     pub input: &'a TickInput,
-    /// What came out.
+    /// The tick's output.
     pub output: &'a TickOutput,
     /// The calibration, once it is latched.
     pub latch: Option<&'a LatchRecord>,
-    /// What the mission has counted.
+    /// The mission's counts.
     pub counters: &'a Counters,
 }
 
-/// The flight computer's telemetry. A tick's work is bounded: the samples and the fix of the tick, and one
-/// other message.
+/// The flight computer's telemetry. The work of a tick is bounded: its samples and its fix, and one other
+/// message.
 pub struct Telemetry<'a> {
     link: Link<'a>,
     rates: Rates,
@@ -85,8 +86,8 @@ pub struct Telemetry<'a> {
 }
 
 impl<'a> Telemetry<'a> {
-    /// Telemetry onto that link. `effects` are the estimated effects in the model's order; those beyond
-    /// [`MAX_ESTIMATED_EFFECTS`], which no model has, are left out.
+    /// Telemetry on that link. `effects` are the estimated effects in the model's order; those beyond
+    /// [`MAX_ESTIMATED_EFFECTS`], which no model has, are omitted.
     #[must_use]
     pub fn new(link: Link<'a>, rates: Rates, effects: &[EffectId]) -> Self {
         let mut known = Vec::new();
@@ -130,14 +131,13 @@ impl<'a> Telemetry<'a> {
         }
     }
 
-    /// What went into the queue and what was dropped.
+    /// Counts of queued and dropped frames.
     #[must_use]
     pub const fn counts(&self) -> &LinkCounts {
         self.link.counts()
     }
 
-    /// Takes what a tick said and queues what is due. A tick that was out of order brings nothing but its
-    /// count.
+    /// Takes a tick's report and queues the messages that are due. A tick that was out of order only counts.
     #[inline(never)]
     pub fn tick(&mut self, report: &TickReport<'_>, computer: &ComputerStatus) {
         let now_us = report.input.time_us;
@@ -148,7 +148,7 @@ impl<'a> Telemetry<'a> {
         self.hold(report, now_ms);
         self.note_events(report, now_us);
         self.note_wire(computer.wire, now_us);
-        // In turn, or on a full line the first of them would have all of it.
+        // The sources take turns; otherwise the first of them would take all of a full line.
         for k in 0..SOURCES {
             self.send_source((self.first_source + k) % SOURCES, report, now_us, now_ms);
         }
@@ -158,7 +158,7 @@ impl<'a> Telemetry<'a> {
         self.schedule.sent(slot, now_us, wait_us);
     }
 
-    /// Keeps what may be sent later.
+    /// Keeps values that may be sent later.
     fn hold(&mut self, report: &TickReport<'_>, now_ms: u32) {
         let TickReport { input, output, .. } = report;
         let signals = &input.signals;
@@ -209,7 +209,7 @@ impl<'a> Telemetry<'a> {
         }
     }
 
-    /// A fix that was not held and is a number, even if the filter refused it.
+    /// Sends a fix that was not held and is finite, even if the filter refused it.
     fn send_fix(&mut self, report: &TickReport<'_>, now_us: u64, now_ms: u32) {
         let Some(fix) = &report.input.gps else { return };
         let is_none = matches!(report.output.gps_rejection, Some(Rejection::Held | Rejection::NotFinite));
@@ -254,8 +254,8 @@ impl<'a> Telemetry<'a> {
         }
     }
 
-    /// Sends a slot's message; says whether it is done with, sent or dropped. What is said once and found no
-    /// room is not.
+    /// Sends a slot's message. Returns whether it is done: sent or dropped. A message that is sent once and
+    /// found no room is not done.
     #[inline(never)]
     fn send_slot(
         &mut self,

@@ -1,9 +1,9 @@
-//! Texts of fifty bytes, without the formatting machinery of the standard library, which can panic.
+//! Texts of fifty bytes, without the standard library's formatting, which can panic.
 
-/// Bytes of a STATUSTEXT.
+/// Length of a STATUSTEXT, bytes.
 pub const MAX_TEXT: usize = 50;
 
-/// A text; what does not fit is cut off, which no text of ours comes to (a test).
+/// A text. An excess is cut off, which no text of this crate reaches (a test).
 #[derive(Clone, Copy, Debug)]
 pub struct Text {
     bytes: [u8; MAX_TEXT],
@@ -11,7 +11,7 @@ pub struct Text {
 }
 
 impl Text {
-    /// Nothing yet.
+    /// An empty text.
     pub const fn new() -> Self {
         Self { bytes: [0; MAX_TEXT], len: 0 }
     }
@@ -57,8 +57,7 @@ impl Text {
         self.number(milliseconds / 1_000).text(".").padded(milliseconds % 1_000, 100)
     }
 
-    /// Adds metres: one decimal below 1000 m, none beyond; `nan` for what is no number, `huge` from
-    /// 100 km on.
+    /// Adds metres: one decimal below 1000 m, none above; `nan` if not a number, `huge` from 100 km on.
     pub fn metres(&mut self, metres: f32) -> &mut Self {
         if metres.is_nan() {
             return self.text("nan");
@@ -67,7 +66,7 @@ impl Text {
             self.text("-");
         }
         let size = libm::fabsf(metres);
-        // At 999.95 one decimal would make it 1000.0.
+        // At 999.95 rounding to one decimal would give 1000.0.
         if size < 999.95 {
             let tenths = libm::roundf(size * 10.0) as u64;
             self.number(tenths / 10).text(".").number(tenths % 10)
@@ -78,7 +77,7 @@ impl Text {
         }
     }
 
-    /// Adds a number with zeros before it, from the digit of `place` on.
+    /// Adds a number with leading zeros, from the digit of `place` on.
     fn padded(&mut self, number: u64, place: u64) -> &mut Self {
         let mut place = place;
         while place > number && place > 1 {

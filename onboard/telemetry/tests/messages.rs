@@ -1,4 +1,4 @@
-//! Every message, decoded by the `mavlink` crate from the bytes of the queue, field by field.
+//! Every message, decoded field by field by the `mavlink` crate from the bytes of the queue.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -16,7 +16,7 @@ use mavlink::{MAVLinkV2MessageRaw, MavlinkVersion, Message};
 use survival::{Cause, Refusal, RestartReport, Start};
 use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Telemetry, TickReport};
 
-/// A tick with everything in it.
+/// A tick with every input present.
 fn input(time_us: u64) -> TickInput {
     TickInput {
         time_us,
@@ -95,7 +95,7 @@ fn latch() -> LatchRecord {
     }
 }
 
-/// Sequence number, message.
+/// Sequence number and message.
 type Decoded = (u8, MavMessage);
 
 struct Flight<'a> {
@@ -132,7 +132,7 @@ impl<'a> Flight<'a> {
         }
     }
 
-    /// The messages that this picks.
+    /// The messages that `pick` selects.
     fn all<T>(&self, pick: impl Fn(&MavMessage) -> Option<T>) -> Vec<T> {
         self.decoded.iter().filter_map(|(_, message)| pick(message)).collect()
     }
@@ -246,7 +246,7 @@ fn every_field_of_the_samples_is_as_documented() {
         _ => None,
     });
     assert!((9..=11).contains(&altitudes.len()), "{}", altitudes.len());
-    // The standard atmosphere's troposphere (ISO 2533), to a few units in the last place of an f32 there.
+    // The standard atmosphere's troposphere (ISO 2533), to a few units in the last place of an f32.
     let standard_m = 288.15 / 0.0065 * (1.0 - (87_654.32_f64 / 101_325.0).powf(0.0065 * 287.053 / 9.80665));
     assert!((f64::from(altitudes[0].altitude_monotonic) - standard_m).abs() < 0.05, "{standard_m}");
     assert_eq!(altitudes[0].altitude_amsl, 1_234.0);
@@ -439,7 +439,7 @@ fn phases_flags_and_failed_checks_are_said_with_time_and_cause() {
     // Seven seconds and one change of phase.
     assert!((7..=9).contains(&heartbeat.len()), "{}", heartbeat.len());
 
-    // The launch is told at the very tick, and again every second.
+    // The launch is reported at the very tick, and again every second.
     let launches = flight.named("launch");
     let first_open = launches.iter().find(|(_, open)| *open == 1.0);
     assert_eq!(first_open, Some(&((launch_us / 1_000) as u32, 1.0)));
@@ -483,7 +483,7 @@ fn doubts_about_the_launch_and_the_cross_check_are_said_with_time_and_cause() {
         }
     };
     second(&mut flight, START_US, doubts(START_US + 200_000, LaunchDoubt::Suspected));
-    // Suspected, then launched as suspected: that is not said as a suspicion that was none.
+    // A suspicion that a launch confirmed is not reported as withdrawn.
     second(&mut flight, START_US + 1_000_000, |input, _| {
         let since_us = input.time_us - START_US - 1_000_000;
         input.launch = since_us >= 300_000;
@@ -496,7 +496,7 @@ fn doubts_about_the_launch_and_the_cross_check_are_said_with_time_and_cause() {
     second(&mut flight, START_US + 3_000_000, |input, output| {
         (input.launch, input.launch_doubt) = (true, LaunchDoubt::Unconfirmed);
         let since_us = input.time_us - START_US - 3_000_000;
-        // Pairs of readings come every other tick; between them there is nothing to say.
+        // Pairs of readings come every other tick; in the ticks between there is nothing to report.
         output.cross_check = since_us.is_multiple_of(10_000).then_some(CrossCheckOutput {
             difference_m: -4.5,
             moving_average_m: -3.9,
@@ -509,7 +509,7 @@ fn doubts_about_the_launch_and_the_cross_check_are_said_with_time_and_cause() {
     });
     let texts: Vec<(u8, String)> =
         flight.texts().into_iter().map(|(severity, text)| (severity as u8, text)).collect();
-    // The bound is the root of 2.25 and 9 square metres.
+    // The limit is the root of 2.25 and 9 square metres.
     let expected = [
         (4, "t=7.200 launch suspected, calibration held"),
         (5, "t=7.215 launch not confirmed, calibrating"),
@@ -564,7 +564,7 @@ fn a_start_that_is_no_power_on_is_said_before_all_else() {
                 (2, "t=7.000 calibration lost in the restart"),
             ],
         ),
-        // None had been kept yet: there is nothing to refuse.
+        // No snapshot had been kept yet, so there is nothing to refuse.
         (
             RestartReport { refused: [Some(Refusal::Empty); 2], ..none_left },
             vec![(3, "t=7.000 restart 1: something stuck"), (2, "t=7.000 calibration lost in the restart")],
@@ -631,7 +631,7 @@ fn in_standby_the_cause_and_the_pause_are_sent() {
 fn sequence_numbers_have_gaps_for_counted_drops_and_for_nothing_else() {
     let mut queue = FrameQueue::new();
     let mut flight = Flight::new(&mut queue, Rates::FULL, &[EffectId::BaroLag; MAX_ESTIMATED_EFFECTS]);
-    // A line that takes two frames a tick, of the five or six that there are.
+    // A line that takes two of the five or six frames of a tick.
     for tick in 0..2_000 {
         let time_us = START_US + tick * 5_000;
         let (mut input, mut output) = (input(time_us), output(time_us));
@@ -652,9 +652,9 @@ fn sequence_numbers_have_gaps_for_counted_drops_and_for_nothing_else() {
     for pair in flight.decoded.windows(2) {
         gaps += u32::from(pair[1].0.wrapping_sub(pair[0].0).wrapping_sub(1));
     }
-    // Drops after the last frame that went leave no gap, and those come in fewer than a queue's length.
+    // Drops after the last frame that was sent leave no gap; there are fewer of them than the queue's length.
     assert!(dropped - gaps < 200, "{dropped} dropped, {gaps} seen");
-    // Every text went, the launch went at once, and the drops are told.
+    // Every text was sent, the launch was sent at once, and the drops are reported.
     assert_eq!(flight.texts().len(), 1 + 10 + MAX_ESTIMATED_EFFECTS);
     assert_eq!(counts.dropped[7], 0);
     let told = flight.all(|message| match message {
@@ -665,7 +665,7 @@ fn sequence_numbers_have_gaps_for_counted_drops_and_for_nothing_else() {
     assert!(errors > 3_000 && (4_000..9_000).contains(&rate), "{errors} {rate}");
     let fixes = flight.named("d_gps").last().unwrap().1;
     assert!(fixes > 500.0 && fixes <= counts.dropped[2] as f32, "{fixes} {counts:?}");
-    // No source has the line to itself: what is left of it is shared.
+    // No source has the line to itself: they share what is left of it.
     let [imu, gps] = [counts.queued[4], counts.queued[2]];
     assert!(gps > imu / 2 && imu > gps / 2 && imu > 100, "{counts:?}");
 }
@@ -689,7 +689,7 @@ fn narrow_rates_are_kept_and_the_barometer_is_never_under_another_ticks_time() {
     for tick in 0..2_000_u64 {
         let time_us = START_US + tick * 5_000;
         let (mut input, output) = (input(time_us), output(time_us));
-        // A barometer at 40 Hz that says which tick it is.
+        // A barometer at 40 Hz whose value is the number of the tick.
         input.baro = (tick % 5 == 0).then_some(BaroReading::PressurePa((tick * 100) as f32));
         flight.tick(&input, &output);
         while let Some(frame) = flight.line.dequeue() {

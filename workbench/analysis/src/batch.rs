@@ -1,4 +1,4 @@
-//! Several flights, one by one: what each lacks by itself, what each vehicle's coefficients are, and which
+//! Diagnoses several flights one by one: what each lacks by itself, each vehicle's coefficients, and which
 //! flight does not belong with the others.
 
 use std::collections::BTreeMap;
@@ -16,14 +16,14 @@ pub use crate::batch_result::{DiagnoseResult, FailedDiagnosis};
 use crate::diagnose::{Diagnosis, NamedReplay, Verdict, diagnose};
 use crate::name::Name;
 
-/// Header keys that say which aircraft it was, beside the vehicle.
+/// Header keys, beside the vehicle, that identify the aircraft.
 const IDS: [&str; 4] = ["glider_id", "registration", "vehicle_id", "serial"];
 
-/// One effect's coefficient by one flight.
+/// One effect's coefficient from one flight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Coefficient {
-    /// The estimate: beside what that flight shows to be missing.
+    /// The estimate, fitted together with the effects that this flight shows to be missing.
     pub value: f64,
     /// One sigma.
     pub sigma: f64,
@@ -31,7 +31,7 @@ pub struct Coefficient {
     pub identified: bool,
 }
 
-/// What one flight alone says.
+/// Diagnosis of one flight alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightResult {
@@ -39,15 +39,15 @@ pub struct FlightResult {
     pub file: String,
     /// The vehicle, by the flight's header.
     pub vehicle: String,
-    /// The verdict; `None` where the diagnosis failed.
+    /// The verdict; `None` if the diagnosis failed.
     pub verdict: Option<Verdict>,
     /// Why it failed: a defect of this program.
     pub failed: Option<String>,
-    /// Coefficients of the effects in question, by their ids, where the flight tells them.
+    /// Coefficients of the effects in question, by their ids, where the flight determines them.
     pub coefficients: BTreeMap<Name, Coefficient>,
 }
 
-/// One effect by all flights of a vehicle.
+/// One effect from all flights of a vehicle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct EffectResult {
@@ -55,13 +55,13 @@ pub struct EffectResult {
     pub effect: Name,
     /// Its unit.
     pub unit: Name,
-    /// Flights that tell it.
+    /// Number of flights that determine it.
     pub flights: usize,
-    /// Their mean, without the outliers.
+    /// Mean of its coefficients, without the outliers.
     pub mean: f64,
-    /// One sigma of it.
+    /// One sigma of the mean.
     pub sigma: f64,
-    /// How much it differs from flight to flight beyond their sigmas, 1 sigma.
+    /// Spread of the coefficient from flight to flight beyond their sigmas, 1 sigma.
     pub spread: f64,
     /// Flights that do not belong with the others, the oddest first.
     pub outliers: Vec<OddFlight>,
@@ -77,7 +77,7 @@ pub struct OddFlight {
     pub coefficient: f64,
     /// One sigma.
     pub sigma: f64,
-    /// Chance that one of so many flights is as far off, were all alike.
+    /// Probability that one of this many flights is as far off, if all were alike.
     pub p_value: f64,
 }
 
@@ -85,21 +85,21 @@ pub struct OddFlight {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct VehicleResult {
-    /// The vehicle; empty where the header does not say one.
+    /// The vehicle; empty if the header has none.
     pub vehicle: String,
-    /// Its flights.
+    /// Number of its flights.
     pub flights: usize,
-    /// The effects in question that any of them tells.
+    /// The effects in question that any of them determines.
     pub effects: Vec<EffectResult>,
 }
 
-/// Several flights, one by one.
+/// Several flights, diagnosed one by one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Batch {
     /// The flights, in the user's order.
     pub by_flight: Vec<FlightResult>,
-    /// The vehicles, by their names.
+    /// The vehicles, by name.
     pub by_vehicle: Vec<VehicleResult>,
     /// Units of the effects in question.
     #[serde(skip)]
@@ -112,7 +112,7 @@ impl Batch {
         self.units.keys().map(|effect| &**effect)
     }
 
-    /// Those, each with its unit.
+    /// The effects in question, each with its unit.
     pub fn units(&self) -> impl Iterator<Item = (&str, &str)> {
         self.units.iter().map(|(effect, unit)| (&**effect, &**unit))
     }
@@ -124,7 +124,7 @@ impl Batch {
     }
 }
 
-/// The vehicle that a header names, with what tells it from another of its type.
+/// The vehicle in a header, with the ids that distinguish it from another of its type.
 #[must_use]
 pub fn vehicle(header: &Header) -> String {
     let ids = IDS.iter().filter_map(|id| {
@@ -139,7 +139,7 @@ pub fn vehicle(header: &Header) -> String {
 }
 
 /// Diagnoses every flight by itself. `together` is the diagnosis of all; `progress` is called once a flight.
-/// A flight that the diagnosis panics on costs none of the others.
+/// A flight on which the diagnosis panics does not affect the others.
 #[must_use]
 pub fn batch(
     flights: &[NamedReplay<'_>],
@@ -147,7 +147,7 @@ pub fn batch(
     progress: &(dyn Fn() + Sync),
     executor: &dyn Executor,
 ) -> Batch {
-    // Flights side by side; those that are too few for the executor are each divided.
+    // Flights run in parallel; if they are too few for the executor, each is divided.
     let inside: &dyn Executor = if flights.len() < executor.width() { executor } else { &Inline };
     let one = |flight| {
         let found = diagnose(std::slice::from_ref(flight), &[], &mut || ControlFlow::Continue(()), inside);
@@ -189,7 +189,7 @@ pub fn batch(
     Batch { by_vehicle: vehicles(&by_flight, &units), by_flight, units }
 }
 
-/// Effects that a diagnosis says to be missing, or to be among those that are.
+/// Effects that a diagnosis reports as missing, and the best of each indistinguishable set.
 fn in_question(diagnosis: &Diagnosis) -> Vec<Name> {
     let sensors = diagnosis.sensors.values();
     sensors
@@ -212,7 +212,7 @@ fn coefficients(diagnosis: &Diagnosis, units: &BTreeMap<Name, Name>) -> BTreeMap
                     sigma: candidate.sigma,
                     identified: sensor.missing.contains(&candidate.effect),
                 };
-                // The chosen ones come first.
+                // The chosen candidates come first.
                 found.entry(candidate.effect.clone()).or_insert(coefficient);
             }
         }
@@ -284,8 +284,8 @@ mod tests {
         }
     }
 
-    /// A coefficient counts if it and its sigma are numbers and the sigma is one; of an effect that is asked
-    /// for; of several the first.
+    /// A coefficient counts if it and its sigma are finite, the sigma is positive and the effect is in
+    /// question. Of several for one effect the first counts.
     #[test]
     fn coefficients_are_those_that_can_be_pooled() {
         let candidates = vec![

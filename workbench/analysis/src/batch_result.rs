@@ -1,4 +1,4 @@
-//! `pylon diagnose --json`.
+//! The output of `pylon diagnose --json`.
 
 use schemars::JsonSchema;
 use serde::de::Error as _;
@@ -8,32 +8,32 @@ use serde_json::Value;
 use crate::batch::Batch;
 use crate::diagnose::Diagnosis;
 
-/// A diagnosis of all flights together and, of several, of each by itself.
+/// A diagnosis of all flights together and, if there are several, of each by itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 #[schemars(extend("required" = ["version"]))]
 pub struct DiagnoseResult {
-    /// The flights together; absent if that failed.
+    /// The flights together; absent if that diagnosis failed.
     #[serde(flatten)]
     pub together: Option<Diagnosis>,
-    /// What there is instead, if it failed.
+    /// Replacement, if it failed.
     #[serde(flatten)]
     pub failed: Option<FailedDiagnosis>,
-    /// Each flight by itself, where there is more than one.
+    /// Each flight by itself, if there is more than one.
     #[serde(flatten)]
     pub one_by_one: Option<Batch>,
 }
 
-/// Flights that were not diagnosed together.
+/// Result for flights whose diagnosis together failed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FailedDiagnosis {
-    /// Version of what these keys mean: that of a diagnosis.
+    /// Version of the meaning of these keys: that of a diagnosis.
     pub version: u32,
-    /// Why the flights together were not diagnosed: a defect of this program.
+    /// Why the diagnosis of the flights together failed: a defect of this program.
     pub failed: String,
 }
 
 impl FailedDiagnosis {
-    /// For a reason.
+    /// A failure with that reason.
     #[must_use]
     pub const fn new(failed: String) -> Self {
         Self { version: Diagnosis::VERSION, failed }
@@ -41,8 +41,8 @@ impl FailedDiagnosis {
 }
 
 impl<'de> Deserialize<'de> for DiagnoseResult {
-    /// By way of a `Value`: serde's `flatten` loses numbers where a dependency has `serde_json` keep their
-    /// digits.
+    /// Deserialises through a `Value`: serde's `flatten` loses numbers if a dependency makes `serde_json`
+    /// keep their digits.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let value = Value::deserialize(deserializer)?;
         let together = value.get("verdict").map(|_| Diagnosis::deserialize(&value)).transpose();
@@ -60,7 +60,7 @@ impl<'de> Deserialize<'de> for DiagnoseResult {
 mod tests {
     use super::*;
 
-    /// A reader that finds no version cannot know what the other keys mean.
+    /// Catches a result without a version, whose reader cannot know what the other keys mean.
     #[test]
     fn a_result_has_one_version_whether_or_not_the_flights_were_diagnosed() {
         let failed = DiagnoseResult {

@@ -2,7 +2,7 @@
 
 use kf_core::effect::EffectId;
 
-/// What is to be known of an effect beside what the catalogue itself has.
+/// Explanation of an effect, in addition to what the catalogue itself contains.
 #[derive(Clone, Copy, Debug)]
 pub struct Explanation {
     /// What it is, in one sentence.
@@ -15,7 +15,7 @@ pub struct Explanation {
     pub looks_like: &'static str,
 }
 
-/// The explanation of an effect; `None` for one that is newer than this guide, which the tests do not let be.
+/// The explanation of an effect; `None` for one that is newer than this guide, which the tests do not allow.
 #[must_use]
 pub fn explanation(effect: EffectId) -> Option<Explanation> {
     use EffectId as Id;

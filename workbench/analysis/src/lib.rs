@@ -1,5 +1,5 @@
-//! What the estimator says of a flight, held against it: where a model holds, which effect it lacks, and what
-//! that effect's coefficient is.
+//! Compares the estimator's results with a flight: where a model holds, which effect it lacks, and what that
+//! effect's coefficient is.
 
 pub mod batch;
 mod batch_result;

@@ -1,4 +1,4 @@
-//! What work tells its caller while it goes on, and how the caller ends it.
+//! How work reports its progress to its caller, and how the caller ends it.
 
 use std::ops::ControlFlow;
 
@@ -9,10 +9,10 @@ use thiserror::Error;
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// Is called once a step of the work, of which nobody knows beforehand how many there are; `Break` ends it.
+/// Called once for each step of the work, whose number is not known beforehand; `Break` ends it.
 pub type Progress<'a> = dyn FnMut() -> ControlFlow<()> + 'a;
 
-/// One step more is done.
+/// Reports one more step.
 pub(crate) fn step(progress: &mut Progress<'_>) -> Result<(), Cancelled> {
     match progress() {
         ControlFlow::Continue(()) => Ok(()),

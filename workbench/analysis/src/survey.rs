@@ -1,4 +1,4 @@
-//! All that a report asks of a flight, from one pass over its ticks: the comparison, the scores of every
+//! All that a report needs of a flight, from one pass over its ticks: the comparison, the scores of every
 //! revision of the model, and what a diagnosis measures.
 
 use executor::Executor;
@@ -10,7 +10,7 @@ use crate::compare::{Companions, Compared, Comparison, Options, Traces, compare_
 use crate::diagnose::NamedReplay;
 use crate::learn::{NamedFlight, ScoreTally, Scores, Scoring, flown, numbers};
 
-/// What flights were asked, and what a ladder needs of the answers.
+/// The results of flights that were surveyed, and what a ladder needs of them.
 #[derive(Debug)]
 pub struct Survey<'a> {
     revisions: Vec<Model>,
@@ -25,11 +25,11 @@ struct Answer<'a> {
     scores: Scores,
 }
 
-/// Revisions that fly beside the model that is compared.
+/// Revisions that fly together with the model that is compared.
 type Others = Vec<(usize, Scoring)>;
 
 impl<'a> Survey<'a> {
-    /// Of flights with a model and its earlier revisions.
+    /// A survey of flights with a model and its earlier revisions.
     #[must_use]
     pub fn new(model: &Model) -> Self {
         Self {
@@ -38,11 +38,11 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// Compares a flight, of which `replay` is the calibrated part and `diagnosed` the diagnosis' own;
-    /// `progress` is told how many rows are done.
+    /// Compares a flight. `replay` is its calibrated part and `diagnosed` the diagnosis' own; `progress`
+    /// receives the number of rows done.
     ///
-    /// A diagnosis that takes other ticks (without wild values, or of all of a flight that is calibrated in
-    /// the air) passes over them itself.
+    /// A diagnosis that uses other ticks (without wild values, or of the whole of a flight that is calibrated
+    /// in the air) makes its own pass over them.
     ///
     /// # Errors
     /// [`ReplayError`] for a model that no mission can be made of.
@@ -78,7 +78,8 @@ impl<'a> Survey<'a> {
         Ok((comparison, traces))
     }
 
-    /// Looks at a flight that is held out. One that cannot be flown is left to the ladder, which says why.
+    /// Processes a flight that is held out. One that cannot be flown is left to the ladder, which reports
+    /// why.
     pub fn hold_out(
         &mut self,
         flight: &NamedFlight<'a>,
@@ -102,7 +103,7 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// A model's scores on a flight: those that are known, or new ones.
+    /// A model's scores on a flight: known ones, or new ones.
     ///
     /// # Errors
     /// As those of [`flown`].
@@ -144,7 +145,7 @@ impl<'a> Survey<'a> {
     }
 }
 
-/// What a diagnosis measures, where the pass has its ticks.
+/// What a diagnosis measures, if the pass has its ticks.
 fn measuring(diagnosed: &NamedReplay<'_>, replay: &Replay<'_>) -> Option<crate::diagnose::Measured> {
     if replay.has_ticks_of(&diagnosed.replay) { diagnosed.measuring() } else { None }
 }
@@ -160,7 +161,7 @@ mod tests {
     use crate::compare::compare;
     use crate::diagnose::diagnose;
 
-    /// Two minutes at 20 Hz, launched after one. `wild`: with a cell that no aircraft makes.
+    /// Two minutes at 20 Hz, launched after one. `wild`: with a value that no aircraft has.
     fn flight(wild: bool) -> Flight {
         let mut csv =
             "# pylon-flight: 1\ntime_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,baro_alt_m\n"
@@ -225,7 +226,8 @@ mod tests {
                 survey.scores(&named, &model.at_revision(0)).unwrap(),
                 survey.scores(&named, &model.at_revision(1)).unwrap()
             );
-            // The wild cell is the flight computer's and not the diagnosis': that one measures by itself.
+            // The flight computer gets the wild cell and the diagnosis does not, so the diagnosis measures by
+            // itself.
             assert_eq!(surveyed.measuring().is_none(), !wild);
             assert_eq!(diagnosed(&surveyed), diagnosed(&to_diagnose()));
 

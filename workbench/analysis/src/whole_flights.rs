@@ -1,4 +1,4 @@
-//! Whole flights with errors that were chosen: what is said of them is known beforehand.
+//! Whole flights with chosen errors: the results are known beforehand.
 
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
@@ -23,7 +23,7 @@ const LENGTH_S: f64 = 280.0;
 /// The barometer's bias, metres.
 const BIAS_M: f64 = 3.0;
 
-/// Numbers between -1 and 1 that follow nothing: a generator of Numerical Recipes.
+/// Pseudo-random numbers between -1 and 1: a generator of Numerical Recipes.
 fn noise(seed: u32) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
@@ -41,7 +41,7 @@ struct Moment {
     throttle: f64,
 }
 
-/// Airspeed, climb and throttle move each in its own time.
+/// Airspeed, climb and throttle move with different periods.
 fn moment(time_s: f64) -> Moment {
     Moment {
         time_s,
@@ -51,8 +51,8 @@ fn moment(time_s: f64) -> Moment {
     }
 }
 
-/// A flight at 10 Hz with five fixes a second and an error of the barometer besides its bias and a noise of
-/// 0.2 m either way. `climb`: whether the receiver says the climb rate.
+/// A flight at 10 Hz with five fixes a second and an error of the barometer in addition to its bias and a
+/// noise of +-0.2 m. `has_climb_rate`: whether the receiver gives the climb rate.
 fn flight(has_climb_rate: bool, seed: u32, error_m: impl Fn(Moment) -> f64) -> Flight {
     let mut random = noise(seed);
     let mut csv =
@@ -82,7 +82,7 @@ fn flight(has_climb_rate: bool, seed: u32, error_m: impl Fn(Moment) -> f64) -> F
     flight_data::parse(csv.as_bytes()).unwrap().0
 }
 
-/// What a static port that reads a part of the dynamic pressure makes, metres.
+/// Error of a static port that picks up a part of the dynamic pressure, metres.
 fn dynamic_pressure_m(part: f64) -> impl Fn(Moment) -> f64 {
     move |now| part * now.airspeed_mps * now.airspeed_mps / (2.0 * GRAVITY_MPS2)
 }
@@ -94,7 +94,7 @@ fn compared(flight: &Flight) -> (Comparison, Box<Traces>) {
     (comparison, traces.unwrap())
 }
 
-/// The replays of flights as a diagnosis takes them.
+/// The replays of flights, in the form for a diagnosis.
 fn named<'a>(flights: &'a [Flight], model: &Model) -> Vec<NamedReplay<'a>> {
     let replay = |flight| NamedReplay::new("a".to_owned(), Replay::to_diagnose(flight, model, None).unwrap());
     flights.iter().map(replay).collect()
@@ -105,9 +105,9 @@ fn diagnosed(flights: &[Flight]) -> Diagnosis {
     diagnose(&named(flights, &Model::default()), &[], &mut progress, &Inline).unwrap()
 }
 
-/// A barometer that is right but for its bias has that bias, and errors of its noise alone; one that reads 40
-/// m more from the launch on has an error of that, is found untrustworthy within seconds, and fails in all
-/// that is flown.
+/// A barometer that is correct except for its bias has that bias, and errors of its noise alone. One that
+/// reads 40 m more from the launch on has that error, is found untrustworthy within seconds, and fails in
+/// everything that is flown.
 #[test]
 fn a_comparison_says_the_error_that_is_there() {
     let (right, _) = compared(&flight(true, 1, |_| 0.0));
@@ -115,7 +115,7 @@ fn a_comparison_says_the_error_that_is_there() {
     assert_eq!((right.launch_s, right.flight.rows, &*baro.trust), (Some(LAUNCH_S), 2_800, "trusted"));
     assert!((right.flight.duration_s - 279.9).abs() < 1e-9);
     assert!((baro.bias_m.unwrap() - BIAS_M).abs() < 0.2, "{baro:?}");
-    // Uniform noise of 0.2 m either way has a sigma of 0.115 m; the reference's estimate adds to it.
+    // Uniform noise of +-0.2 m has a sigma of 0.115 m; the reference's estimate adds to it.
     for rms_m in [baro.captive_rms_m, baro.free_flight_rms_m] {
         assert!((0.1..0.35).contains(&rms_m.unwrap()), "{baro:?}");
     }
@@ -140,7 +140,7 @@ fn a_comparison_says_the_error_that_is_there() {
             (worst.rms_m - 40.0).abs() < 0.3 && worst.to_s > worst.from_s && worst.to_s <= 181.0,
             "{worst:?}"
         );
-        // Errors are alike in all of it, so that a stretch's share of their squares is its share of the time.
+        // Errors are alike throughout, so a stretch's share of their squares is its share of the time.
         assert!(
             (worst.share_of_squared_error - (worst.to_s - worst.from_s) / 180.0).abs() < 0.02,
             "{worst:?}"
@@ -150,8 +150,8 @@ fn a_comparison_says_the_error_that_is_there() {
     assert!(!format!("{traces:?}").is_empty());
 }
 
-/// A part of the dynamic pressure is identified with its coefficient, size and range; what it leaves are the
-/// noise's errors.
+/// A part of the dynamic pressure is identified with its coefficient, size and range; the remainder is the
+/// noise.
 #[test]
 fn a_static_ports_error_is_identified_with_its_coefficient() {
     let part = -0.1;
@@ -178,7 +178,7 @@ fn a_static_ports_error_is_identified_with_its_coefficient() {
     assert_eq!((flown.block_s, flown.unreferenced_readings, flown.refused_readings), (1.0, 1, 0));
     assert!((270..=282).contains(&flown.blocks), "{}", flown.blocks);
     assert!(flown.glitches.is_empty() && flown.fault.is_none());
-    // What was not tried lacks columns; nothing is made of inertial samples here.
+    // What was not tried lacks columns; nothing is computed from inertial samples here.
     assert!(
         !found.untested.is_empty() && found.untested.iter().all(|one| one.reason.is_none()),
         "{:?}",
@@ -186,7 +186,8 @@ fn a_static_ports_error_is_identified_with_its_coefficient() {
     );
 }
 
-/// Where nothing acts, nothing is found; where a shape acts that is no effect's, something unknown is.
+/// Where nothing acts, nothing is found; where a shape that belongs to no effect acts, something unknown is
+/// found.
 #[test]
 fn nothing_is_found_where_nothing_acts() {
     let found = diagnosed(&[flight(true, 3, |_| 0.0)]);
@@ -199,8 +200,8 @@ fn nothing_is_found_where_nothing_acts() {
     assert_ne!(unknown.verdict, Verdict::NoSignificantMisfit, "{unknown:?}");
 }
 
-/// A receiver that does not say the climb rate leaves the path itself to be estimated; the static port's
-/// error is found all the same.
+/// Without a climb rate from the receiver the path itself must be estimated; the static-port error is found
+/// all the same.
 #[test]
 fn without_a_climb_rate_the_same_is_found() {
     let found = diagnosed(&[flight(false, 4, dynamic_pressure_m(-0.1))]);
@@ -214,7 +215,7 @@ fn without_a_climb_rate_the_same_is_found() {
     assert!(facts.probability.is_none_or(|probability| probability > 0.5), "{facts:?}");
 }
 
-/// What is studied ends in a problem whose term is the effect that was wanted.
+/// A study ends in a problem whose term is the wanted effect.
 #[test]
 fn a_study_ends_in_the_wanted_effects_problem() {
     let flights = [flight(true, 5, dynamic_pressure_m(-0.1))];
@@ -227,8 +228,8 @@ fn a_study_ends_in_the_wanted_effects_problem() {
     let problem = problem.unwrap();
     // Ten readings a second are a full block.
     assert_eq!(problem.flights[0].full_block[2], 10.0);
-    // What a diagnosis has done already is not done again: all of it for an effect that it has tried in the
-    // catalogue's shape alone.
+    // What a diagnosis has done is not repeated. For an effect that it has tried only in the catalogue's
+    // shape, all of it is reused.
     let (_, further) = diagnose_further(&named, &[], &mut progress, &Inline).unwrap();
     let mut steps = 0;
     let mut counted = || {
@@ -244,7 +245,7 @@ fn a_study_ends_in_the_wanted_effects_problem() {
         (again.unwrap().facts.coefficient - problem.facts.coefficient).abs() < 0.01 * problem.facts.sigma
     );
     assert_eq!(problem.terms[0].regressor.id, effect);
-    // A second term that acts on nothing takes nothing from the first.
+    // A second term that acts on nothing does not change the first.
     let mut with_another = problem.clone();
     let flight = &mut with_another.flights[0];
     let idle = |block: usize| std::array::from_fn(|i| if i == 2 { (block as f64 / 5.3).sin() } else { 0.0 });
@@ -252,7 +253,7 @@ fn a_study_ends_in_the_wanted_effects_problem() {
     flight.columns.push(Arc::new((0..flight.len()).map(idle).collect()));
     let (alone, beside) = (learn(&problem).unwrap(), learn(&with_another).unwrap());
     assert!((beside.coefficient - alone.coefficient).abs() < alone.sigma, "{beside:?} {alone:?}");
-    // The filter of the flight computer, in single precision, learns what the diagnosis' least squares say.
+    // The flight computer's filter, in single precision, learns the same as the diagnosis' least squares.
     let learned = learn(&problem).unwrap();
     let facts = &problem.facts;
     assert!((learned.coefficient + 0.1).abs() < 3.0 * learned.sigma && learned.sigma < 0.02, "{learned:?}");
@@ -263,7 +264,7 @@ fn a_study_ends_in_the_wanted_effects_problem() {
     );
 }
 
-/// A law that no catalogue has is discovered: the barometer is off by the cube of the throttle.
+/// A law that is in no catalogue is discovered: the barometer's error is the cube of the throttle.
 #[test]
 fn a_law_that_nobody_wrote_down_is_discovered() {
     let flights = [flight(true, 6, |now| 12.0 * now.throttle * now.throttle * now.throttle)];
@@ -279,8 +280,8 @@ fn a_law_that_nobody_wrote_down_is_discovered() {
     assert!(after_m < 0.5 * before_m, "{best:?}");
 }
 
-/// A model that estimates the coefficient in flight has it at the launch, with the envelope that was
-/// calibrated in.
+/// A model that estimates the coefficient in flight has it at the launch, with the envelope of the
+/// calibration.
 #[test]
 fn an_estimated_coefficient_is_the_one_that_acts() {
     let text = "[[effect]]\nid = \"baro.dynamic_pressure\"\nsigma = 0.3\nestimate = true\n";
@@ -294,7 +295,7 @@ fn an_estimated_coefficient_is_the_one_that_acts() {
     assert!(found.sensors["baro"].free_flight_rms_m.unwrap() < 0.5, "{:?}", found.sensors["baro"]);
 }
 
-/// An effect of the model's own, by a formula, is identified as one of the catalogue's is.
+/// An effect of the model's own, by a formula, is identified as the catalogue's effects are.
 #[test]
 fn an_effect_by_formula_is_identified() {
     let text = "[[effect_definition]]\nid = \"baro.wash\"\non = \"baro\"\nregressor = \"throttle^3 * 1[m]\"\nplausible = [-20, 20]\n";
@@ -307,8 +308,8 @@ fn an_effect_by_formula_is_identified() {
     assert!(found.missing().chain(found.suspects()).any(|effect| effect == "baro.wash"), "{found:?}");
 }
 
-/// The same flight once more halves a coefficient's variance, as far as it is noise: what formulas and
-/// signals leave unsure stays.
+/// The same flight a second time halves a coefficient's variance, as far as it is noise: the uncertainty from
+/// formulas and signals stays.
 #[test]
 fn a_planned_flight_adds_its_information() {
     let flights = [flight(true, 9, dynamic_pressure_m(-0.1))];
@@ -325,7 +326,7 @@ fn a_planned_flight_adds_its_information() {
     let (now, then) = (own.sigma_now.unwrap(), own.sigma_then.unwrap());
     assert!((now / facts.sigma - 1.0).abs() < 0.05, "{own:?} {facts:?}");
     assert!(then < now && then > 0.95 * now / 2.0_f64.sqrt(), "{own:?}");
-    // Of an effect that was not found the noise is nearly all.
+    // For an effect that was not found, nearly all of the variance is noise.
     for other in outlook.effects.iter().filter(|effect| !effect.is_found) {
         if let (Some(now), Some(then)) = (other.sigma_now, other.sigma_then) {
             assert!(then <= now * 1.0001 && then >= 0.6 * now, "{other:?}");
@@ -333,11 +334,11 @@ fn a_planned_flight_adds_its_information() {
     }
 }
 
-/// Where two effects fit alike, the diagnosis names both, and says of a plan how far it would tell them
-/// apart.
+/// Where two effects fit alike, the diagnosis names both, and reports how well a planned flight would
+/// distinguish them.
 #[test]
 fn a_set_that_can_not_be_told_apart_has_an_outlook() {
-    // A lag of the barometer: against one receiver it can not be told from a latency of that.
+    // A lag of the barometer: with one receiver it cannot be distinguished from a latency of the receiver.
     let flights = [flight(true, 10, |now| -0.35 * now.climb_mps)];
     let model = Model::default();
     let mut progress = || ControlFlow::Continue(());
@@ -354,14 +355,14 @@ fn a_set_that_can_not_be_told_apart_has_an_outlook() {
         let sum: f64 = set.members.iter().map(|member| member.probability).sum();
         assert!(sum <= 1.0 + 1e-9, "{set:?}");
         for member in &set.members {
-            // What acts is at least as probable with the planned flight as without.
+            // The effect that acts is at least as probable with the planned flight as without.
             let then = member.probability_then.unwrap_or(1.0);
             assert!((0.0..=1.0).contains(&then) && then >= member.probability - 1e-9, "{set:?}");
         }
     }
 }
 
-/// What is learned of one effect is learned beside the others that act: a static port's error beside a lag.
+/// An effect is learned together with the others that act: a static-port error with a lag.
 #[test]
 fn an_effect_is_learned_beside_the_others_that_act() {
     let both = |now: Moment| dynamic_pressure_m(-0.1)(now) - 0.8 * now.climb_mps;

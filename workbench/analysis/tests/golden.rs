@@ -1,10 +1,10 @@
-//! What is said of some whole flights stays as it is, number for number: golden results, as of replayed
-//! flights.
+//! Golden results: the results of some whole flights stay as they are, number for number.
 //!
-//! The other tests say what is right. These say what has changed: a number of any result that moves by more
-//! than its fourth digit is seen, read by whoever changed it, and accepted (`cargo insta review`, or
-//! `INSTA_UPDATE=always cargo test -p analysis --test golden`) or not. The flights are made here, of sines
-//! and a generator of random numbers, so that the results are the same on every machine.
+//! The other tests check what is right. These show what has changed: a number of any result that moves by
+//! more than its fourth digit is detected, read by the author of the change, and accepted
+//! (`cargo insta review`, or `INSTA_UPDATE=always cargo test -p analysis --test golden`) or not. The flights
+//! are generated here, from sines and a generator of random numbers, so the results are the same on every
+//! machine.
 #![allow(clippy::unwrap_used)]
 
 use std::fmt::Write as _;
@@ -29,7 +29,7 @@ use serde_json::{Number, Value};
 const GRAVITY_MPS2: f64 = 9.806_65;
 const LAUNCH_S: f64 = 80.0;
 
-/// Numbers between -1 and 1 that follow nothing.
+/// Pseudo-random numbers between -1 and 1.
 fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     move || random.random_range(-1.0..1.0)
@@ -41,7 +41,7 @@ struct Moment {
     time_s: f64,
     altitude_m: f64,
     climb_mps: f64,
-    /// Upwards, beside gravity.
+    /// Upwards, without gravity.
     acceleration_mps2: f64,
     airspeed_mps: f64,
     roll_rad: f64,
@@ -77,8 +77,8 @@ impl Moment {
     }
 }
 
-/// What is wrong with the sensors of a flight, metres: the barometer's error, the inertial altitude's, and
-/// how late the receiver is, seconds.
+/// Errors of the sensors of a flight, metres: the barometer's and the inertial altitude's, and the delay of
+/// the receiver, seconds.
 struct Errors<'a> {
     baro_m: &'a dyn Fn(Moment) -> f64,
     inertial_m: &'a dyn Fn(Moment) -> f64,
@@ -87,7 +87,7 @@ struct Errors<'a> {
 
 const NONE: Errors<'_> = Errors { baro_m: &|_| 0.0, inertial_m: &|_| 0.0, late_s: 0.0 };
 
-/// A flight under a pylon and on its own with every column, at 10 Hz with five fixes a second.
+/// A flight under a mother ship and on its own with every column, at 10 Hz with five fixes a second.
 fn flight(seed: u64, errors: &Errors<'_>) -> Flight {
     let mut random = random(seed);
     let mut csv = "# pylon-flight: 1\n# vehicle: golden\ntime_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,baro_alt_m,baro_temp_c,\
@@ -141,8 +141,8 @@ fn flight(seed: u64, errors: &Errors<'_>) -> Flight {
     flight_data::parse(csv.as_bytes()).unwrap().0
 }
 
-/// A quarter of an hour at 1 Hz without a launch or a climb rate, on the ground for its first two minutes: a
-/// glider's log.
+/// A glider's log: a quarter of an hour at 1 Hz without a launch or a climb rate, on the ground for its first
+/// two minutes.
 fn glider(seed: u64, late_s: f64, scale: f64) -> Flight {
     let mut random = random(seed);
     let mut csv = "# pylon-flight: 1\ntime_s,gps_alt_m,gps_vn_mps,gps_ve_mps,baro_alt_m\n".to_owned();
@@ -175,7 +175,7 @@ fn accelerometer_bias(now: Moment) -> f64 {
     0.5 * 0.002 * now.free_s() * now.free_s()
 }
 
-/// Numbers by four digits, so that what moves them by less is no change.
+/// Rounds numbers to four digits, so that a smaller change is not a change.
 fn rounded(value: &mut Value) {
     match value {
         Value::Array(values) => values.iter_mut().for_each(rounded),
@@ -188,7 +188,7 @@ fn rounded(value: &mut Value) {
     }
 }
 
-/// Holds a result to the one that is kept under that name.
+/// Compares a result with the one that is kept under that name.
 fn assert_golden(name: &str, result: &impl Serialize) {
     let mut value = serde_json::to_value(result).unwrap();
     rounded(&mut value);

@@ -1,20 +1,20 @@
-//! How far a calibration on chips is from the one of ideal sensors, and how far it may be.
+//! How far a calibration on chips is from the one with ideal sensors, and how far it may be.
 //!
-//! A latched bias is, but for its prior, a weighted mean of readings less the reference. Chips change that
+//! Except for its prior, a latched bias is a weighted mean of readings less the reference. Chips change that
 //! mean in three ways, and the bound is their sum:
 //!
 //! - quantum: the MS5611's resolution ([`BARO_QUANTUM_PA`]) and `f32`'s in the standard atmosphere; the
 //!   umbilical carries `f32`.
-//! - delay: what climbs meanwhile. A conversion is read two ticks after it began, on a value that the flight
-//!   gave up to one of its own intervals before; a frame on a serial line arrives at the next tick; a row
-//!   waits for its tick. The climb rate is that of the whole range of altitude over the calibration. And what
-//!   is late by some readings has others at both ends of the calibration.
-//! - resampling: a barometer chip samples when it is ready, the flight when it did, so at worst the two means
-//!   share no white noise. White is what differs from one reading to the next (von Neumann's estimate: half
-//!   the mean square of successive differences). What it is worth depends on how the model weighs readings
-//!   (the first of a correlated sensor counts for many, a bias that wanders forgets the old), and reaches the
-//!   other sensors by way of the common altitude, so it is measured: the same rows are calibrated on again,
-//!   [`TRIALS`] times, with as much fresh noise added to the barometer.
+//! - delay: the altitude gained meanwhile. A conversion is read two ticks after it began, on a value that the
+//!   flight gave up to one of its own intervals before; a frame on a serial line arrives at the next tick; a
+//!   row waits for its tick. The climb rate is that of the whole range of altitude over the calibration. And
+//!   a source that is late by some readings uses other readings at both ends of the calibration.
+//! - resampling: a barometer chip samples when it is ready, the flight when it was recorded, so at worst the
+//!   two means share no white noise. White noise is what differs from one reading to the next (von Neumann's
+//!   estimate: half the mean square of successive differences). Its effect depends on how the model weighs
+//!   readings (the first of a correlated sensor counts for many, a bias that wanders forgets the old), and
+//!   reaches the other sensors through the common altitude, so it is measured: the calibration is repeated on
+//!   the same rows, [`TRIALS`] times, with as much fresh noise added to the barometer.
 
 use kf_core::atmosphere::static_pressure_pa;
 use kf_core::input::{BaroReading, TickInput};
@@ -30,30 +30,30 @@ use super::error::FlyError;
 use super::grid::TICK_US;
 use replay::{mission, reading_m};
 
-/// Largest error of the MS5611's result by its resolution, pascals: half a count of D1 (0.010), half a count
-/// of D2 by way of OFF and SENS (0.014), and the rounding of the pressure to `f32` on the way in and out
+/// Largest error of the MS5611's result due to its resolution, pascals: half a count of D1 (0.010), half a
+/// count of D2 through OFF and SENS (0.014), and the rounding of the pressure to `f32` on the way in and out
 /// (2/128), for the coefficients of the datasheet's example.
 pub const BARO_QUANTUM_PA: f64 = 0.04;
 /// Rounding of an altitude in `kf_core::atmosphere`, metres: `f32` keeps 44,331 m to 4 mm, there and back.
 const ATMOSPHERE_ROUNDING_M: f64 = 0.01;
 /// R / g times the warmest temperature of the standard atmosphere, m: the largest scale height.
 const SCALE_HEIGHT_M: f64 = 8_435.0;
-/// Calibrations with fresh noise.
+/// Number of calibrations with fresh noise.
 const TRIALS: u64 = 16;
-/// Standard deviations of the resampling, the deviation being estimated from [`TRIALS`]: Student's t of 16
-/// degrees of freedom is beyond it in 1 of 10,000 flights.
+/// Number of standard deviations allowed for the resampling. The deviation is estimated from [`TRIALS`]:
+/// Student's t of 16 degrees of freedom exceeds this in 1 of 10,000 flights.
 const SIGMAS: f64 = 5.0;
 
 /// One sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorAgreement {
-    /// Which.
+    /// The sensor.
     pub sensor: Sensor,
     /// Bias latched with ideal sensors, metres.
     pub ideal_bias_m: f32,
     /// Bias latched on chips, metres.
     pub chips_bias_m: f32,
-    /// Largest difference that the chips' resolution and delays explain, metres.
+    /// Largest difference explained by the chips' resolution and delays, metres.
     pub bound_m: f64,
 }
 
@@ -64,7 +64,7 @@ impl SensorAgreement {
         f64::from(self.chips_bias_m) - f64::from(self.ideal_bias_m)
     }
 
-    /// Whether the chips explain it.
+    /// Whether the chips explain the difference.
     #[must_use]
     pub fn is_within_bound(&self) -> bool {
         self.difference_m().abs() <= self.bound_m
@@ -78,7 +78,7 @@ pub struct Agreement {
     pub sensors: Vec<SensorAgreement>,
 }
 
-/// What the calibration of ideal sensors saw.
+/// What the calibration with ideal sensors measured.
 struct Ideal {
     latch: LatchRecord,
     lowest_m: f32,
@@ -132,8 +132,8 @@ fn fly(rows: impl Iterator<Item = TickInput>, model: &Model) -> Result<Option<Id
     Ok(None)
 }
 
-/// Mean square of what fresh white noise on the barometer does to each bias, for two calibrations that share
-/// none of it.
+/// Mean square of the change in each bias due to fresh white noise on the barometer, for two calibrations
+/// that share none of it.
 fn resampled_m2(
     rows: &(impl Iterator<Item = TickInput> + Clone),
     model: &Model,
@@ -155,7 +155,7 @@ fn resampled_m2(
     Ok(sums_m2.map(|sum_m2| 2.0 * sum_m2 / TRIALS as f64))
 }
 
-/// The row with a barometer that reads so much higher, metres.
+/// The row with a barometer that reads this much higher, metres.
 fn with_noise(mut row: TickInput, noise_m: f64) -> TickInput {
     row.baro = row.baro.map(|reading| match reading {
         BaroReading::PressurePa(pressure_pa) => {
@@ -203,7 +203,7 @@ fn bound_m(
     let tick_s = TICK_US as f64 * 1e-6;
     let duration_s = f64::from(ideal.latch.duration_s).max(tick_s);
     let climb_rate_mps = f64::from(ideal.highest_m - ideal.lowest_m).max(0.0) / duration_s;
-    // The flight's rows wait for their tick, the reference's too, whose frame takes one more.
+    // The flight's rows wait for their tick. So do the reference's, whose frame takes one more.
     let reference_lag_s = 2.0 * tick_s;
     let (quantum_m, lag_s) = match sensor {
         Sensor::Baro => {

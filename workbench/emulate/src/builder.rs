@@ -80,8 +80,8 @@ impl Program {
         if has_formulas { format!("{board},formulas") } else { board.to_owned() }
     }
 
-    /// Settings of cargo's on top of the profile. The benchmark compares filters, each as fast as the
-    /// compiler makes it; the flight's image has to fit.
+    /// Cargo settings that override the profile. The benchmark compares filters, each as fast as the compiler
+    /// makes it; the flight's image has to fit.
     const fn settings(self) -> &'static [&'static str] {
         match self {
             Self::Bench => &[
@@ -93,7 +93,7 @@ impl Program {
     }
 }
 
-/// An error, or load, planted in an image, to prove that it is found, or stood.
+/// An error or load planted in an image, to prove that it is found or withstood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PlantedError {
     /// Every barometer reading is one unit in the last place off.
@@ -102,17 +102,16 @@ pub enum PlantedError {
     Panic,
     /// A fault of the core in the second tick.
     Fault,
-    /// A processor that seldom has time for anything but the ticks: no error, and the flight must
-    /// lose nothing.
-    Starve,
-    /// Blows that the emulated board reads from a file ([`flight_record::Strike`]).
-    Strike,
-    /// A telemetry line that takes a tenth of the bytes: frames are dropped, and the flight must lose
+    /// A processor that seldom has time for anything except the ticks: not an error, and the flight must lose
     /// nothing.
+    Starve,
+    /// Faults that the emulated board reads from a file ([`flight_record::Strike`]).
+    Strike,
+    /// A telemetry line with a tenth of the byte rate: frames are dropped, and the flight must lose nothing.
     SlowLine,
-    /// A telemetry line that is never idle: where no frame waits, one that says nothing is sent.
+    /// A telemetry line that is never idle: where no frame waits, an empty one is sent.
     FullLine,
-    /// A telemetry line that nothing is sent on.
+    /// A telemetry line on which nothing is sent.
     SilentLine,
 }
 
@@ -131,8 +130,9 @@ impl PlantedError {
     }
 }
 
-/// Builds an image and returns where it is; one that was built from the same sources is used again. Images
-/// are kept apart by program, board, model and planted error, so that several can be built and run at a time.
+/// Builds an image and returns its path; one that was built from the same sources is used again. Images are
+/// kept apart by program, board, model and planted error, so that several can be built and run at the same
+/// time.
 ///
 /// # Errors
 /// [`FlyError::NoSource`], [`FlyError::NoCargo`], [`FlyError::NoTarget`], [`FlyError::Build`] with the
@@ -170,7 +170,7 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
     let lock = File::create(&lock_file).map_err(FlyError::io(lock_file.display().to_string()))?;
     lock.lock().map_err(FlyError::io(lock_file.display().to_string()))?;
 
-    // Whoever had the lock may have built it.
+    // The previous holder of the lock may have built it.
     if made_of::is_current(&image, &key) {
         return Ok(image);
     }
@@ -188,7 +188,7 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
         .env("DEFMT_LOG", "info")
         .env_remove("PYLON_TELEMETRY_BAUD")
         .env_remove("PYLON_MUTATE");
-    // A host's flags (of a coverage run, say) are not the target's.
+    // A host's flags (for a coverage run, for example) are not the target's.
     for variable in ["RUSTFLAGS", "CARGO_TARGET_DIR", "CARGO_BUILD_TARGET"] {
         cargo.env_remove(variable);
     }
@@ -227,7 +227,7 @@ fn check_target(root: &Path) -> Result<String, FlyError> {
     rustc(root, &["--version", "--verbose"])
 }
 
-/// What the compiler answers; nothing where it refuses.
+/// The compiler's answer; empty where it fails.
 fn rustc(root: &Path, arguments: &[&str]) -> Result<String, FlyError> {
     let output =
         Command::new("rustc").current_dir(root).args(arguments).output().map_err(|error| {
@@ -240,7 +240,7 @@ fn rustc(root: &Path, arguments: &[&str]) -> Result<String, FlyError> {
     Ok(String::from_utf8_lossy(&said).into_owned())
 }
 
-/// Leaves the file's time alone where nothing changes, so that cargo need not build anew.
+/// Leaves the file's time unchanged where nothing changes, so that cargo need not build again.
 fn write_if_changed(file: &Path, text: &str) -> Result<(), FlyError> {
     if fs::read_to_string(file).is_ok_and(|old| old == text) {
         return Ok(());

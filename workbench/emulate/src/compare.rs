@@ -1,4 +1,4 @@
-//! Host against target, to the bit.
+//! Compares host and target, to the bit.
 
 use std::fmt;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -14,19 +14,19 @@ use serde::Serialize;
 /// The first difference between the host's mission and the target's.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// Which tick, from 0.
+    /// Index of the tick, from 0.
     pub tick: u64,
     /// Its time, microseconds.
     pub time_us: u64,
-    /// Which field, as a path in Rust's notation.
+    /// The field, as a path in Rust's notation.
     pub field: String,
     /// The host's value.
     pub host: String,
     /// The target's value.
     pub target: String,
-    /// How many ticks differ in all; 0 for a difference in the latch alone.
+    /// Total number of ticks that differ; 0 for a difference in the latch alone.
     pub ticks_that_differ: u64,
-    /// How many ticks there are.
+    /// Number of ticks.
     pub ticks: u64,
 }
 
@@ -50,18 +50,18 @@ pub(super) fn same_bits<T: Serialize>(host: &T, target: &T) -> bool {
     let mut buffers = ([0; MAX_FRAME], [0; MAX_FRAME]);
     match (postcard::to_slice(host, &mut buffers.0), postcard::to_slice(target, &mut buffers.1)) {
         (Ok(host), Ok(target)) => host == target,
-        // What came over the wire fits into a frame; what does not is something else.
+        // A value that came over the wire fits into a frame; one that does not is different.
         _ => false,
     }
 }
 
-/// Whether two ticks saw and said the same, to the bit.
+/// Whether two ticks have the same input and output, to the bit.
 pub(super) fn same_step(host: &Step, target: &Step) -> bool {
     same_bits(&host.input, &target.input) && same_bits(&host.output, &target.output)
 }
 
-/// A check over all the bits of a tick, NaNs included: two ticks with other bits have another but for one
-/// pair in 2^64.
+/// A check over all the bits of a tick, NaNs included: two ticks with different bits have different checks,
+/// except one pair in 2^64.
 pub(super) fn check_of(step: &Step) -> u64 {
     let mut hasher = DefaultHasher::new();
     let mut buffer = [0; MAX_FRAME];
@@ -70,7 +70,7 @@ pub(super) fn check_of(step: &Step) -> u64 {
     hasher.finish()
 }
 
-/// The first field in which two ticks differ: of what they saw, or else of what they said.
+/// The first field in which two ticks differ: of their input, or else of their output.
 pub(super) fn tick_difference(host: &Step, target: &Step) -> FieldDifference {
     if same_bits(&host.input, &target.input) {
         first_difference(tick_fields(&host.output), tick_fields(&target.output))
@@ -109,7 +109,7 @@ fn optional(value: Option<f32>) -> String {
     value.map_or_else(|| "none".to_owned(), bits)
 }
 
-/// Every field of what a tick saw. The patterns name every field, so that a new one cannot be forgotten here.
+/// Every field of a tick's input. The patterns name every field, so that a new one cannot be forgotten here.
 fn input_fields(input: &TickInput) -> Fields {
     let TickInput {
         time_us,
@@ -277,7 +277,7 @@ fn latch_fields(latch: &LatchRecord) -> Fields {
         ("latch.failed_checks".to_owned(), format!("{failed_checks:#b}")),
     ];
     for (sensor, latched) in Sensor::ALL.into_iter().zip(sensors) {
-        // A struct of numbers only: its own form is exact but for NaN's bits.
+        // A struct of numbers only: its own form is exact except for NaN's bits.
         fields.push((format!("latch.{}", sensor.name()), format!("{latched:?}")));
     }
     fields.extend(state.iter().enumerate().map(|(i, value)| (format!("latch.state[{i}]"), bits(*value))));

@@ -1,15 +1,14 @@
-//! A board on its debug link: OpenOCD writes the image, and serves the image's calls of the host.
+//! A board on its debug link: OpenOCD writes the image and serves the image's semihosting calls.
 //!
-//! What is relied on here is what OpenOCD's manual and its source (0.12) say; it has not been seen on a board
-//! yet:
-//! - A call of the host is the instruction `bkpt 0xab`. It halts the core; OpenOCD does what is asked, and
-//!   lets the core go on.
-//! - Files are those of the directory that OpenOCD runs in. What the image writes to its standard output is
-//!   OpenOCD's, what OpenOCD itself says goes to its standard error.
+//! This relies on OpenOCD's manual and source (0.12); it has not been tried on a board yet:
+//! - A call of the host is the instruction `bkpt 0xab`. It halts the core; OpenOCD serves the call and
+//!   resumes the core.
+//! - Files are in the directory that OpenOCD runs in. The image's standard output goes to OpenOCD's standard
+//!   output; OpenOCD's own messages go to its standard error.
 //! - The call that ends a flight (`SYS_EXIT_EXTENDED`, since OpenOCD 0.11) ends OpenOCD with the image's exit
 //!   status.
-//! - Left to itself OpenOCD looks for a call ten times a second. `wait_halt` looks all the time, and ends
-//!   only when the core stops for something else.
+//! - By default OpenOCD looks for a call ten times a second. `wait_halt` looks all the time, and returns only
+//!   when the core stops for another reason.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom};
@@ -27,39 +26,39 @@ use super::error::FlyError;
 use super::image::Image;
 use super::run::name;
 
-/// OpenOCD's own configuration of the microcontroller.
+/// OpenOCD's own configuration file of the microcontroller.
 const MICROCONTROLLER: &str = "target/stm32f4x.cfg";
-/// The image, in the flight's folder: a name that no shell and no Tcl reads otherwise.
+/// The image, in the flight's folder: a name without characters that are special in a shell or in Tcl.
 const IMAGE_FILE: &str = "flight.elf";
 /// What the image logged, in the same folder.
 const STDOUT_FILE: &str = "image.log";
-/// What OpenOCD said.
+/// What OpenOCD wrote to its standard error.
 const STDERR_FILE: &str = "openocd.log";
-/// The end of the RAM that is retained over a reset (`memory.x`).
+/// End of the RAM that is retained over a reset (`memory.x`).
 const RAM_END: u64 = 0x2002_0000;
-/// The oldest OpenOCD that hands on an exit status: 0.11.
+/// Oldest OpenOCD that passes on an exit status: 0.11.
 const OLDEST: u32 = 11;
-/// What is said when the core stops for anything but a call of the host.
+/// Message when the core stops for any reason but a call of the host.
 const HALTED: &str = "pylon: the core has stopped, and not for a call of the host";
-/// How often the flight is looked at.
+/// How often the flight's progress is polled.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// A probe on a board's debug link.
 #[derive(Clone, Debug)]
 pub struct DebugLink {
-    /// OpenOCD's program: its name, or where it is.
+    /// OpenOCD's program: its name or its path.
     pub openocd: PathBuf,
-    /// OpenOCD's configuration files of the probe, such as `interface/stlink.cfg`, in this order: its own, or
-    /// the user's.
+    /// Configuration files of the probe, such as `interface/stlink.cfg`, in this order: OpenOCD's own or the
+    /// user's.
     pub probe: Vec<PathBuf>,
-    /// The longest silence: neither OpenOCD says anything, nor are there new results.
+    /// Longest silence: no new output of OpenOCD and no new results.
     pub silence: Duration,
-    /// How far the flight is.
+    /// The flight's progress.
     pub progress: Arc<TicksFlown>,
 }
 
 impl Default for DebugLink {
-    /// An ST-LINK, OpenOCD as it is installed, and two minutes.
+    /// An ST-LINK, the installed OpenOCD, and two minutes.
     fn default() -> Self {
         Self {
             openocd: PathBuf::from("openocd"),
@@ -70,7 +69,7 @@ impl Default for DebugLink {
     }
 }
 
-/// How far a flight on a board is: for another thread to look at.
+/// Progress of a flight on a board, for another thread to read.
 #[derive(Debug, Default)]
 pub struct TicksFlown {
     done: AtomicU64,
@@ -78,7 +77,7 @@ pub struct TicksFlown {
 }
 
 impl TicksFlown {
-    /// Ticks whose results are there, and ticks in all; none in all before the flight is ready.
+    /// Ticks whose results have arrived, and ticks in all; zero in all before the flight is ready.
     #[must_use]
     pub fn so_far(&self) -> (u64, u64) {
         (self.done.load(Ordering::Relaxed), self.of.load(Ordering::Relaxed))
@@ -86,7 +85,7 @@ impl TicksFlown {
 }
 
 impl DebugLink {
-    /// Whether there is an OpenOCD that can do this: before an image is built for it.
+    /// Checks that a suitable OpenOCD is installed, before an image is built for it.
     ///
     /// # Errors
     /// [`FlyError::NoDebugger`], [`FlyError::OldDebugger`], [`FlyError::Io`].
@@ -99,13 +98,13 @@ impl DebugLink {
         let said = [output.stdout, output.stderr].concat();
         match version(&String::from_utf8_lossy(&said)) {
             Some(minor) if minor < OLDEST => Err(FlyError::OldDebugger { minor }),
-            // One that does not say is given a chance.
+            // One that does not report its version is given a chance.
             Some(_) | None => Ok(()),
         }
     }
 
-    /// Writes an image to the board and lets it fly the record of so many ticks that is in `directory`, until
-    /// it ends the flight itself.
+    /// Writes an image to the board and lets it fly the record of `ticks` ticks in `directory`, until it ends
+    /// the flight itself.
     ///
     /// # Errors
     /// [`FlyError::NoDebugger`], [`FlyError::NoProbe`], [`FlyError::NoBoard`], [`FlyError::NotWritten`],
@@ -133,11 +132,11 @@ impl DebugLink {
             return Err(failure(&stderr));
         }
         let stdout = fs::read(here(STDOUT_FILE)).map_err(FlyError::io(STDOUT_FILE))?;
-        // OpenOCD's words were of interest only if it had failed.
+        // OpenOCD's output is of interest only if it failed.
         Ok(Emulation { code, stdout, stderr: String::new() })
     }
 
-    /// Waits for the end, as long as anything is heard, and counts the ticks.
+    /// Waits for the end, as long as there is any output, and counts the ticks.
     fn watch(&self, mut openocd: Running, directory: &Path) -> Result<Option<i32>, FlyError> {
         let output = directory.join(name(OUTPUT_FILE)?);
         let (mut heard, mut heard_at) = (0, Instant::now());
@@ -146,7 +145,7 @@ impl DebugLink {
             if let Some(status) = openocd.0.try_wait().map_err(FlyError::io("waiting for openocd"))? {
                 return Ok(status.code());
             }
-            // A file that is not there yet has nothing to say.
+            // A file that does not exist yet counts as empty.
             frames.count(&output).map_err(FlyError::io(output.display().to_string()))?;
             // The first frame is the header.
             self.progress.done.store(frames.seen.saturating_sub(1), Ordering::Relaxed);
@@ -178,13 +177,13 @@ fn arguments(probe: &[PathBuf], retained: u64) -> Vec<PathBuf> {
     let mut arguments = Vec::new();
     let mut option = |name: &str, value: PathBuf| arguments.extend([PathBuf::from(name), value]);
     for file in probe {
-        // A file of the user's is where the user is, not where the flight is; all others are OpenOCD's.
+        // A user's file is relative to the user's directory, not the flight's; all others are OpenOCD's.
         option("-f", fs::canonicalize(file).unwrap_or_else(|_| file.clone()));
     }
     option("-f", MICROCONTROLLER.into());
     let words = RAM_END.saturating_sub(retained) / 4;
     for command in [
-        // Nobody else is to interfere, nor does it matter who has the ports.
+        // No other program shall interfere, and ports in use shall not matter.
         "gdb_port disabled",
         "tcl_port disabled",
         "telnet_port disabled",
@@ -192,10 +191,10 @@ fn arguments(probe: &[PathBuf], retained: u64) -> Vec<PathBuf> {
         &format!("program {IMAGE_FILE} verify"),
         // `program` leaves the PLL on.
         "reset halt",
-        // A flight that was cut off would else go on.
+        // Otherwise a flight that was cut off would continue.
         &format!("mww {retained:#x} 0 {words}"),
-        // A fault is the image's to handle. Where a probe's firmware does the debugging, the command is not
-        // there.
+        // The image handles its faults. Where a probe's firmware does the debugging, the command does not
+        // exist.
         "catch {cortex_m vector_catch none}",
         "arm semihosting enable",
         "resume",
@@ -208,18 +207,18 @@ fn arguments(probe: &[PathBuf], retained: u64) -> Vec<PathBuf> {
     arguments
 }
 
-/// A program that does not outlive who waits for it.
+/// A program that is killed when its handle is dropped.
 struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Most often it has ended, and then there is nothing to stop.
+        // Most often it has already ended, and there is nothing to stop.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// Counts the frames of a file that grows.
+/// Counts the frames of a growing file.
 #[derive(Default)]
 struct Frames {
     read: u64,
@@ -235,7 +234,7 @@ impl Frames {
         file.seek(SeekFrom::Start(self.read))?;
         let mut new = Vec::new();
         self.read += file.read_to_end(&mut new)? as u64;
-        // A frame ends with the only zero in it.
+        // A frame ends with the only zero byte in it.
         self.seen += new.iter().filter(|byte| **byte == 0).count() as u64;
         Ok(())
     }
@@ -246,14 +245,14 @@ fn said(file: &Path) -> Result<String, FlyError> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// The `12` of `Open On-Chip Debugger 0.12.0`; `None` of anything else, a version 1 above all.
+/// The `12` of `Open On-Chip Debugger 0.12.0`; `None` for anything else, such as a version 1.
 fn version(said: &str) -> Option<u32> {
     let (_, rest) = said.split_once("Open On-Chip Debugger 0.")?;
     let digits = rest.find(|digit: char| !digit.is_ascii_digit()).unwrap_or(rest.len());
     rest.get(..digits)?.parse().ok()
 }
 
-/// What OpenOCD says without a probe, or when it may not open it.
+/// OpenOCD's messages without a probe, or when it may not open it.
 const NO_PROBE: &[&str] = &[
     "Error: open failed",
     "LIBUSB_ERROR_ACCESS",
@@ -261,7 +260,7 @@ const NO_PROBE: &[&str] = &[
     "unable to open CMSIS-DAP device",
     "No J-Link device found",
 ];
-/// What it says when there is nothing at the other end of the wires.
+/// Its messages when nothing is connected at the other end of the wires.
 const NO_BOARD: &[&str] = &[
     "unable to connect to the target",
     "Error connecting DP",
@@ -270,10 +269,10 @@ const NO_BOARD: &[&str] = &[
     "Target not examined",
     "Unable to reset target",
 ];
-/// What it says when the flash does not take the image.
+/// Its messages when writing the flash fails.
 const NOT_WRITTEN: &[&str] = &["** Programming Failed **", "** Verify Failed **"];
 
-/// Why OpenOCD has ended without an exit status of the image's.
+/// Why OpenOCD ended without the image's exit status.
 fn failure(stderr: &str) -> FlyError {
     let said = telling_line(stderr).to_owned();
     let says = |any: &[&str]| any.iter().any(|words| stderr.contains(words));
@@ -288,7 +287,7 @@ fn failure(stderr: &str) -> FlyError {
     }
 }
 
-/// The line that says most: the first error, or the last word.
+/// The most informative line: the first error, else the last line.
 fn telling_line(stderr: &str) -> &str {
     let lines = || stderr.lines().map(str::trim).filter(|line| !line.is_empty());
     let telling = |line: &&str| line.starts_with("Error") || line.contains("Failed **") || *line == HALTED;
@@ -308,7 +307,7 @@ mod tests {
         assert_eq!(version(""), None);
     }
 
-    /// Lines as people have quoted them from OpenOCD 0.10 to 0.12.
+    /// Lines as users have quoted them from OpenOCD 0.10 to 0.12.
     #[test]
     fn failures_are_told_apart_by_what_openocd_says() {
         let kind = |said: &str| match failure(said) {

@@ -10,7 +10,7 @@ use telemetry::{ComputerStatus, Frame, FrameQueue, Link, Rates, Telemetry, TickR
 
 use replay::AnyMission;
 
-/// The telemetry of a flight on a line that is never full.
+/// Telemetry of a flight on a line that is never full.
 pub struct Downlink<'a> {
     telemetry: Telemetry<'a>,
     line: Consumer<'a, Frame>,
@@ -18,7 +18,7 @@ pub struct Downlink<'a> {
 }
 
 impl<'a> Downlink<'a> {
-    /// The telemetry of a model at those rates, by way of a queue.
+    /// Telemetry of a model at these rates, passed through a queue.
     #[must_use]
     pub fn new(queue: &'a mut FrameQueue, model: &Model, rates: Rates) -> Self {
         let (frames, line) = queue.split();
@@ -26,12 +26,12 @@ impl<'a> Downlink<'a> {
         Self { telemetry: Telemetry::new(Link::new(frames), rates, &effects), line, bytes: Vec::new() }
     }
 
-    /// Tells how the flight computer has started.
+    /// Sends how the flight computer started.
     pub fn note_start(&mut self, report: &RestartReport) {
         self.telemetry.note_start(report);
     }
 
-    /// Tells of a tick.
+    /// Sends the telemetry of a tick.
     pub fn tell(
         &mut self,
         input: &TickInput,
@@ -46,7 +46,7 @@ impl<'a> Downlink<'a> {
         }
     }
 
-    /// What has gone over the line.
+    /// The bytes sent over the line.
     #[must_use]
     pub fn into_bytes(self) -> Vec<u8> {
         self.bytes

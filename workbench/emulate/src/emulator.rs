@@ -1,4 +1,4 @@
-//! QEMU.
+//! Runs an image in QEMU.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -13,19 +13,19 @@ use super::one_processor;
 /// The emulated machine: an STM32F405RG.
 const MACHINE: &str = "netduinoplus2";
 
-/// What an image left behind that ran in QEMU, or on a board ([`super::DebugLink`]).
+/// What an image left behind after a run in QEMU or on a board ([`super::DebugLink`]).
 #[derive(Debug)]
 pub struct Emulation {
-    /// QEMU's exit status, which is the firmware's once the firmware has ended it; `None` after a signal.
+    /// QEMU's exit status, which is the firmware's if the firmware ended the run; `None` after a signal.
     pub code: Option<i32>,
     /// What the firmware wrote to its standard output.
     pub stdout: Vec<u8>,
-    /// What it, or QEMU, wrote to the standard error.
+    /// What the firmware or QEMU wrote to the standard error.
     pub stderr: String,
 }
 
-/// Runs an image with `directory` as the place of its files, one instruction a nanosecond and no
-/// waiting for the wall clock. What goes over USART1 goes into the file `serial` there, if any.
+/// Runs an image with `directory` as the place of its files, one instruction a nanosecond and without waiting
+/// for the wall clock. The output of USART1 goes into the file `serial` there, if given.
 ///
 /// # Errors
 /// [`FlyError::NoEmulator`], [`FlyError::Timeout`], [`FlyError::Io`].
@@ -55,12 +55,12 @@ pub fn emulate(
             _ => FlyError::Io { what: "qemu-system-arm".to_owned(), source: error },
         }
     })?;
-    // Both pipes are drained while it runs, or a full one would stop it.
+    // Both pipes are drained while it runs; a full one would block it.
     let drained = drain(qemu.stdout.take()).and_then(|stdout| Ok((stdout, drain(qemu.stderr.take())?)));
     let (stdout, stderr) = match drained {
         Ok(drained) => drained,
         Err(source) => {
-            // Nobody would wait for it.
+            // Nothing else would wait for it.
             let _ = qemu.kill().and_then(|()| qemu.wait());
             return Err(FlyError::Io {
                 what: "a thread that reads what qemu-system-arm says".to_owned(),
@@ -86,16 +86,16 @@ fn wait(qemu: &mut Child) -> Result<Option<i32>, FlyError> {
     Ok(qemu.wait().map_err(FlyError::io("waiting for qemu-system-arm"))?.code())
 }
 
-/// Reads a pipe to its end, which comes when the program ends.
+/// Reads a pipe to its end, which it reaches when the program ends.
 fn drain(pipe: Option<impl Read + Send + 'static>) -> io::Result<mpsc::Receiver<Vec<u8>>> {
     let (sender, receiver) = mpsc::channel();
     thread::Builder::new().spawn(move || {
         let mut bytes = Vec::new();
         if let Some(mut pipe) = pipe {
-            // A read that fails ends the stream; what came before it is what there is.
+            // A failed read ends the stream; the bytes before it are kept.
             let _ = pipe.read_to_end(&mut bytes);
         }
-        // The receiver has gone when the emulation was given up.
+        // The receiver is gone if the emulation was given up.
         let _ = sender.send(bytes);
     })?;
     Ok(receiver)

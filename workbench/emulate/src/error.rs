@@ -1,4 +1,4 @@
-//! Why a flight did not fly, or flew otherwise than on the host.
+//! Why a flight was not flown, or differed from the host's.
 
 use std::str::Utf8Error;
 use std::{fmt, io};
@@ -16,17 +16,17 @@ use super::fault_script::FaultError;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FlyError {
-    /// QEMU is not there.
+    /// QEMU is not installed.
     #[error(
         "qemu-system-arm is not installed: `apt-get install qemu-system-arm` (Debian, Ubuntu), `brew install qemu` (macOS)"
     )]
     NoEmulator,
-    /// OpenOCD is not there.
+    /// OpenOCD is not installed.
     #[error(
         "openocd is not installed or not in PATH: `apt-get install openocd` (Debian, Ubuntu), `brew install open-ocd` (macOS)"
     )]
     NoDebugger,
-    /// An OpenOCD that does not hand on the image's exit status.
+    /// An OpenOCD that does not pass on the image's exit status.
     #[error("this is OpenOCD 0.{minor}: a flight on a board needs 0.11 or newer")]
     OldDebugger {
         /// Its version, after the `0.`.
@@ -38,7 +38,7 @@ pub enum FlyError {
          (`--probe-config`) that of its kind? on Linux: may this user open it (OpenOCD's udev rules, 60-openocd.rules)?"
     )]
     NoProbe {
-        /// OpenOCD's most telling line.
+        /// The most informative line of OpenOCD's output.
         said: String,
     },
     /// The probe reached no microcontroller.
@@ -47,34 +47,34 @@ pub enum FlyError {
          (docs/bring-up.md)?"
     )]
     NoBoard {
-        /// OpenOCD's most telling line.
+        /// The most informative line of OpenOCD's output.
         said: String,
     },
-    /// The image did not get into the flash.
+    /// The image was not written to the flash.
     #[error(
         "the image could not be written to the board ({said}): is its flash protected? is its supply steady?"
     )]
     NotWritten {
-        /// OpenOCD's most telling line.
+        /// The most informative line of OpenOCD's output.
         said: String,
     },
     /// OpenOCD ended before the flight did.
     #[error("openocd ended before the flight did ({said})")]
     DebugLink {
-        /// OpenOCD's most telling line.
+        /// The most informative line of OpenOCD's output.
         said: String,
     },
-    /// Neither the board nor OpenOCD said anything any more.
+    /// Neither the board nor OpenOCD sent anything any more.
     #[error(
         "neither the board nor openocd has responded for {seconds} s ({said}): reset the board and try again"
     )]
     Silent {
-        /// How long was waited, seconds.
+        /// How long it waited, seconds.
         seconds: u64,
-        /// OpenOCD's most telling line.
+        /// The most informative line of OpenOCD's output.
         said: String,
     },
-    /// cargo is not there.
+    /// cargo is not installed.
     #[error(
         "cargo is not installed or not in PATH: the firmware is built for every model; see https://rustup.rs"
     )]
@@ -85,7 +85,7 @@ pub enum FlyError {
         /// The target's name.
         target: &'static str,
     },
-    /// The firmware's source is not where this workbench was built.
+    /// The firmware's source is not at the path where this workbench was built.
     #[error("no firmware in {path}: the workbench must stay in the checkout that it was built from")]
     NoSource {
         /// Where it should be.
@@ -100,7 +100,7 @@ pub enum FlyError {
         /// The compiler's first error line.
         first_error: String,
     },
-    /// A file could not be read or written, or a program not be run.
+    /// A file could not be read or written, or a program could not be run.
     #[error("{what}: {source}")]
     Io {
         /// What was tried, on which file.
@@ -108,7 +108,7 @@ pub enum FlyError {
         /// Why it failed.
         source: io::Error,
     },
-    /// The image is not an ELF file as the build makes them.
+    /// The image is not an ELF file as the build produces it.
     #[error("{path}: {why}")]
     Image {
         /// The image.
@@ -117,7 +117,7 @@ pub enum FlyError {
         #[source]
         why: object::Error,
     },
-    /// The image does not say which RAM a reset leaves alone.
+    /// The image does not define which RAM a reset leaves unchanged.
     #[error("{path}: it has no symbol _retained_start")]
     NoRetained {
         /// The image.
@@ -135,50 +135,50 @@ pub enum FlyError {
          sensors"
     )]
     Gap {
-        /// How long it is, seconds.
+        /// Length of the gap, seconds.
         gap_s: f64,
         /// The last time before it, seconds.
         after_s: f64,
     },
-    /// More rows than a flight record counts.
+    /// More rows than a flight record can count.
     #[error("the flight has more than 2^32 rows: a flight record cannot hold it")]
     TooManyRows,
-    /// A tick that no frame holds.
+    /// A tick that does not fit into a frame.
     #[error("a tick is too long for a frame of the flight record")]
     TickTooLong,
     /// Faults of chips were planned for a flight without chips.
     #[error("ideal sensors have no chips that could fail")]
     IdealSensors,
-    /// Telemetry was asked of a board that sends none.
+    /// Telemetry was requested from a board that sends none.
     #[error("a board on its debug link sends no telemetry to record")]
     NoTelemetry,
-    /// The name of a flight record's file is no text.
+    /// The name of a flight record's file is not UTF-8.
     #[error("a file name of the flight record is not UTF-8")]
     FileName(#[source] Utf8Error),
-    /// The barometer's noise, as the flight shows it, is not finite.
+    /// The barometer's noise, as estimated from the flight, is not finite.
     #[error("the barometer's noise: {0}")]
     BarometerNoise(#[source] NormalError),
-    /// The planned faults cannot be followed.
+    /// The planned faults are not valid.
     #[error(transparent)]
     Fault(#[from] FaultError),
-    /// The flight ended otherwise than at the end of the record.
+    /// The flight did not end at the end of the record.
     #[error("the flight computer stopped: {}{}", ended(*.status), last_line(.log))]
     Stopped {
         /// Its status, if it is one of the firmware's.
         status: Option<ExitStatus>,
-        /// What it logged, or QEMU's own words.
+        /// What it logged, or QEMU's own output.
         log: Vec<String>,
     },
     /// The emulation did not end.
     #[error("the emulated flight computer did not finish within {seconds} s")]
     Timeout {
-        /// How long was waited, seconds.
+        /// How long it waited, seconds.
         seconds: u64,
     },
-    /// What the firmware wrote is not a stream of results.
+    /// The firmware's output is not a stream of results.
     #[error("the results of the flight computer are damaged: {0}")]
     Results(#[from] ResultsError),
-    /// The firmware did not get or did not fly all of the record.
+    /// The firmware did not receive or did not fly the whole record.
     #[error("the flight computer did not fly the whole record: {0}")]
     Incomplete(Shortfall),
     /// Host and target computed different bits.
@@ -186,35 +186,35 @@ pub enum FlyError {
     Differs(Box<Difference>),
 }
 
-/// Why what the firmware wrote is not a stream of results.
+/// Why the firmware's output is not a stream of results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ResultsError {
     /// It ends in the middle of a frame.
     #[error("the last one is cut")]
     Cut,
-    /// Some bytes are no frame.
+    /// Some bytes are not a frame.
     #[error("{}", frame_words(.0))]
     Frame(FrameError),
     /// Frames are missing.
     #[error("{0} are missing")]
     Missing(u32),
-    /// A frame's payload is not what its kind says.
+    /// A frame's payload does not match its kind.
     #[error("a result does not decode")]
     Payload(PayloadError),
-    /// Another firmware wrote them.
+    /// Another version of the firmware wrote them.
     #[error("they are of another version of the format")]
     Version,
-    /// What they are of is not known.
+    /// There is no header before them.
     #[error("they do not start with a header")]
     NoHeader,
-    /// A frame that results do not have.
+    /// A frame of a kind that results do not contain.
     #[error("a frame is out of place")]
     Misplaced(Kind),
-    /// More ticks than were flown.
+    /// More ticks than inputs.
     #[error("there are more than inputs")]
     MoreThanInputs,
-    /// The last one is not there.
+    /// The summary at the end is missing.
     #[error("they have no summary")]
     NoSummary,
 }
@@ -230,31 +230,31 @@ fn frame_words(error: &FrameError) -> String {
     }
 }
 
-/// What of a record the firmware did not fly.
+/// Which part of a record the firmware did not fly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shortfall {
-    /// Something that must not happen did.
+    /// Events that must not occur.
     Counted {
-        /// What, in the plural.
+        /// Their name, in the plural.
         what: &'static str,
         /// How often.
         count: u32,
     },
-    /// The target's sensors failed otherwise than the host's.
+    /// The target's sensors failed differently from the host's.
     SensorFaults {
         /// Polls that failed on the target.
         target: u32,
         /// And on the host.
         host: u32,
     },
-    /// Inputs, ticks and results are not the same number.
+    /// The numbers of inputs, ticks and results differ.
     Ticks {
         /// Ticks of the record.
         inputs: u32,
-        /// Ticks that the target says it has flown.
+        /// Ticks that the target reports it has flown.
         ticks: u32,
-        /// Results that came.
+        /// Results received.
         results: u64,
     },
 }

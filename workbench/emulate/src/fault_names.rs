@@ -1,8 +1,8 @@
-//! Faults of chips, as a user writes them.
+//! Names of chip faults, as a user writes them.
 
 use chip_models::flown::{Chip, Fault, Quantity};
 
-/// Every fault, as it is written.
+/// Every fault, as a user writes it.
 pub(super) const FAULTS: &str = "stuck-low, stuck-high, bus-error, frozen, stalled, slow=MICROSECONDS, offset=BY[,QUANTITY], \
     vibration=HZ,AMPLITUDE[,QUANTITY], flip-prom=BYTE,MASK, unplugged, garbage=SEED, refuses, silent, held, no-fix, \
     stranger=METRES, lies=METRES, not-a-number, holds, torn, open, shorted, unreadable, bounces=MICROSECONDS, \
@@ -10,7 +10,7 @@ pub(super) const FAULTS: &str = "stuck-low, stuck-high, bus-error, frozen, stall
     flip-data=MASK[,RESULTS[,QUANTITY]], spike=BY[,RESULTS[,QUANTITY]], lose-bytes=COUNT, lose-conversions=COUNT, \
     generation-8=BAUD (START)";
 
-/// One of each, for what a chip can have.
+/// One example of every fault that a chip can have.
 const EXAMPLES: [&str; 33] = [
     "stuck-low",
     "stuck-high",
@@ -47,10 +47,10 @@ const EXAMPLES: [&str; 33] = [
     "bounces=1",
 ];
 
-/// MAVLink system and component of a stranger on the umbilical.
+/// MAVLink system and component of an unknown sender on the umbilical.
 const STRANGER: (u8, u8) = (42, 1);
 
-/// What chips measure, as it is written; the first of a chip is meant where none is said.
+/// Names of the quantities that chips measure; without a name, the chip's first one is meant.
 const QUANTITIES: [(&str, Quantity); 12] = [
     ("pressure", Quantity::Pressure),
     ("temperature", Quantity::Temperature),
@@ -66,7 +66,7 @@ const QUANTITIES: [(&str, Quantity); 12] = [
     ("velocity-down", Quantity::Velocity(2)),
 ];
 
-/// The words after a fault's `=`, taken from the front.
+/// The words after a fault's `=`, taken in order.
 struct Words<'a> {
     chip: Chip,
     words: Vec<&'a str>,
@@ -98,14 +98,14 @@ impl Words<'_> {
         self.byte().filter(|mask| *mask != 0)
     }
 
-    /// A number as thousandths, not zero; what is beyond 32 bits is none.
+    /// A number as thousandths, not zero; `None` beyond 32 bits.
     fn milli(&mut self) -> Option<i32> {
         let milli = (self.word()?.parse::<f64>().ok()? * 1_000.0).round();
         let fits = milli != 0.0 && milli.abs() <= f64::from(i32::MAX);
         fits.then_some(milli as i32)
     }
 
-    /// What comes next, if anything does; else what is taken for it.
+    /// The next word, if there is one; else the default.
     fn or<T>(&mut self, otherwise: T, take: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
         if self.next < self.words.len() { take(self) } else { Some(otherwise) }
     }
@@ -114,7 +114,7 @@ impl Words<'_> {
         let chip = self.chip;
         let has = |quantity: Quantity| chip.can(Fault::Offset { quantity, by_milli: 1 });
         if self.next >= self.words.len() {
-            // A chip that measures nothing has no such fault, whatever the quantity.
+            // A chip that measures nothing cannot have this fault, whatever the quantity.
             return Some(QUANTITIES.iter().map(|(_, q)| *q).find(|q| has(*q)).unwrap_or(Quantity::Pressure));
         }
         let word = self.word()?;
@@ -122,14 +122,14 @@ impl Words<'_> {
     }
 }
 
-/// A fault of a chip by its name, with what follows it.
+/// A chip's fault from its name and the words after it.
 pub(super) fn parse_fault(chip: Chip, text: &str) -> Option<Fault> {
     let (name, words) = text
         .split_once('=')
         .map_or((text, Vec::new()), |(name, words)| (name, words.split(',').map(str::trim).collect()));
     let mut words = Words { chip, words, next: 0 };
     let fault = named(name, &mut words)?;
-    // No word is left over.
+    // No word may be left over.
     (words.next >= words.words.len()).then_some(fault)
 }
 
@@ -194,7 +194,7 @@ fn named(name: &str, words: &mut Words<'_>) -> Option<Fault> {
     })
 }
 
-/// The names of what can go wrong with a chip.
+/// The names of the faults that a chip can have.
 pub(super) fn possible(chip: Chip) -> String {
     let can = |text: &&&str| parse_fault(chip, text).is_some_and(|fault| chip.can(fault));
     let names: Vec<&str> = EXAMPLES.iter().filter(can).filter_map(|text| text.split('=').next()).collect();

@@ -1,4 +1,4 @@
-//! Faults of chips, as a user plans them.
+//! Chip faults, as a user plans them.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,22 +9,22 @@ use super::fault_names::{FAULTS, parse_fault, possible};
 use kf_core::input::TickInput;
 use thiserror::Error;
 
-/// A fault of one chip, from one time of the flight to another, or once.
+/// A fault of one chip, over an interval of the flight or once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlannedFault {
-    /// Of which chip, and what.
+    /// The chip and its fault.
     pub fault: ChipFault,
     /// When it begins, seconds of the flight's time.
     pub start_s: f64,
-    /// When it ends; `None` for one that is there once.
+    /// When it ends; `None` for one that occurs once.
     pub end_s: Option<f64>,
 }
 
-/// A plan that cannot be followed.
+/// A plan that is not valid.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FaultError {
-    /// It has not three words.
+    /// It does not have three words.
     #[error("fault '{0}', expected \"CHIP FAULT START..END\", such as \"baro stuck-low 60..65\"")]
     Form(String),
     /// There is no such chip.
@@ -40,10 +40,10 @@ pub enum FaultError {
         chip: &'static str,
         /// The fault.
         fault: String,
-        /// What it can be.
+        /// The faults that it can have.
         can: String,
     },
-    /// The time is none, or not of the kind that the fault has.
+    /// The time is not valid, or not of the kind that the fault needs.
     #[error("time '{text}' of fault {fault}, expected {expected}")]
     Time {
         /// What was given.
@@ -56,7 +56,7 @@ pub enum FaultError {
     /// Two faults of one chip at a time.
     #[error("two faults of {0} at the same time: give them times apart")]
     Overlap(&'static str),
-    /// No tick of the flight is in it.
+    /// No tick of the flight is within it.
     #[error("fault at {at_s} s, and the flight goes from {first_s:.3} s to {last_s:.3} s")]
     Outside {
         /// When the fault begins.
@@ -76,14 +76,14 @@ const CHIPS: [(&str, Chip); 5] = [
     ("wire", Chip::Wire),
 ];
 
-/// Every fault's name with what it takes, out of [`FAULTS`].
+/// Every fault's name with its parameters, out of [`FAULTS`].
 fn fault_names() -> impl Iterator<Item = &'static str> {
     let words = FAULTS.split_whitespace().map(|name| name.trim_end_matches([',', ';']));
     words.filter(|name| !name.starts_with('('))
 }
 
-/// The name that `text` may be a slip of, as the end of a message: within a third of its letters, one at
-/// least. What follows an equals sign is no part of a name.
+/// The name that `text` may be a typing error of, as the end of a message: within a third of its letters, at
+/// least one. What follows an equals sign is not part of the name.
 fn nearest<'a>(text: &str, names: impl Iterator<Item = &'a str>) -> String {
     let stem = |name: &str| name.split('=').next().unwrap_or_default().to_ascii_lowercase();
     let wanted = stem(text);
@@ -138,7 +138,7 @@ impl fmt::Display for PlannedFault {
     }
 }
 
-/// What faults begin and end at which time, microseconds, in order of time.
+/// The faults that begin and end at each time, microseconds, in time order.
 pub(super) fn schedule(planned: &[PlannedFault]) -> Result<Vec<(u64, ChipFault)>, FaultError> {
     for (index, one) in planned.iter().enumerate() {
         let (start, end) = (one.start_s, one.end_s.unwrap_or(one.start_s));
@@ -160,7 +160,7 @@ pub(super) fn schedule(planned: &[PlannedFault]) -> Result<Vec<(u64, ChipFault)>
     Ok(events)
 }
 
-/// Checks that every fault begins while the flight lasts.
+/// Checks that every fault begins within the flight.
 pub(super) fn check(
     events: &[(u64, ChipFault)],
     mut ticks: impl Iterator<Item = TickInput>,
@@ -178,16 +178,16 @@ pub(super) fn check(
     }
 }
 
-/// What a flight record brings, in its order.
+/// The items of a flight record, in its order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Item {
     /// A tick.
     Tick(TickInput),
-    /// A chip's fault, from the next tick on.
+    /// A chip's fault, from the next tick.
     Fault(ChipFault),
 }
 
-/// Ticks with faults between them: a fault is there from the first tick on that is not before its time.
+/// Ticks with faults between them: a fault comes before the first tick that is not earlier than its time.
 #[derive(Clone, Debug)]
 pub(super) struct Scripted<'a, Ticks: Iterator<Item = TickInput>> {
     ticks: Ticks,
@@ -274,7 +274,7 @@ mod tests {
             assert!(error.contains(said), "{text}: {error}");
             assert_eq!(error.lines().count(), 1, "{error}");
         }
-        // What is near to nothing gets no advice.
+        // A text that is close to no name gets no suggestion.
         for text in ["radar stuck-low 1..2", "baro melted 1..2"] {
             let error = parse(text).unwrap_err().to_string();
             assert!(!error.contains("is it"), "{error}");

@@ -1,4 +1,4 @@
-//! A flight through the firmware, compared with the host's, tick by tick.
+//! A flight through the firmware, compared with the host's tick by tick.
 
 use std::fs;
 
@@ -32,7 +32,7 @@ use super::starts::Starts;
 /// # Errors
 /// [`FlyError`]; [`FlyError::Differs`] if a single bit differs.
 pub fn fly(replay: &Replay<'_>, options: &FlyOptions) -> Result<FlyReport, FlyError> {
-    // On chips the flight computer makes the inertial altitude itself.
+    // With chips, the flight computer computes the inertial altitude itself.
     let inputs = match options.sensors {
         SensorSource::Ideal => replay.mission_inputs(),
         SensorSource::Chips => replay.inputs(),
@@ -40,7 +40,7 @@ pub fn fly(replay: &Replay<'_>, options: &FlyOptions) -> Result<FlyReport, FlyEr
     fly_inputs(inputs, replay.model(), options)
 }
 
-/// As [`fly`], for ticks from anywhere.
+/// As [`fly`], for ticks from any source.
 ///
 /// # Errors
 /// As [`fly`].
@@ -71,10 +71,10 @@ pub fn fly_inputs(
     }
 }
 
-/// Flies a flight on chips with and without the faults, on the host alone, and says what they did.
+/// Flies a flight on chips with and without the faults, on the host alone, and reports their effect.
 ///
 /// # Errors
-/// As [`fly_on_host`], and a fault that cannot be.
+/// As [`fly_on_host`], and a fault that is not possible.
 pub fn consequence(
     inputs: impl Iterator<Item = TickInput> + Clone,
     model: &Model,
@@ -86,11 +86,11 @@ pub fn consequence(
     consequence::of(inputs, model, &events)
 }
 
-/// Flies a flight through the host's flight computer alone, and shows every tick: what [`fly_inputs`]
+/// Flies a flight through the host's flight computer alone and passes on every tick: the one [`fly_inputs`]
 /// compares the target with. Returns how many polls of sensors failed.
 ///
 /// # Errors
-/// As [`fly_inputs`], but for all that has to do with the firmware.
+/// As [`fly_inputs`], except those of the firmware.
 pub fn fly_on_host(
     inputs: impl Iterator<Item = TickInput> + Clone,
     model: &Model,
@@ -238,7 +238,7 @@ fn compare(
                 let input = loop {
                     match items.next() {
                         Some(Item::Tick(input)) => break input,
-                        // A flight without chips and with faults was refused.
+                        // A flight with faults but without chips was refused before.
                         Some(Item::Fault(fault)) => {
                             computer.sensors.recorded.inject(fault);
                         }
@@ -303,7 +303,7 @@ fn compare(
     }
 }
 
-/// A good record must have been flown from its first input to its last.
+/// Checks that a good record was flown from its first input to its last.
 fn check_complete(summary: &Summary, inputs: u32, compared: u64, host_faults: u32) -> Result<(), FlyError> {
     let counts = [
         ("lost results", summary.lost_results),

@@ -1,8 +1,8 @@
 //! A flight's rows on the flight computer's own grid of ticks.
 //!
-//! Chips do not wait for a logger: the flight computer polls them 200 times a second, whatever the flight's
-//! rows are. So what a row has is there at the first tick that is not before the row, and there are ticks
-//! between rows. What shares a tick is counted.
+//! Chips do not wait for a logger: the flight computer polls them 200 times a second, whatever the times of
+//! the flight's rows. A row's samples are available at the first tick that is not before the row, and there
+//! are ticks between rows. Rows and samples that share a tick are counted.
 
 use std::iter::Peekable;
 
@@ -12,7 +12,7 @@ use super::error::FlyError;
 
 /// From one tick to the next, microseconds: 200 a second.
 pub const TICK_US: u64 = 5_000;
-/// Longest gap between two rows that is flown through, microseconds.
+/// Longest gap between two rows that is flown, microseconds.
 const LONGEST_GAP_US: u64 = 3_600_000_000;
 
 /// What became of a flight's rows.
@@ -20,18 +20,18 @@ const LONGEST_GAP_US: u64 = 3_600_000_000;
 pub struct GridReport {
     /// Rows of the flight.
     pub rows: u64,
-    /// Ticks they were put on, those without a row among them.
+    /// Ticks they were put on, including those without a row.
     pub ticks: u64,
     /// Rows that share a tick with the row before.
     pub shared: u64,
-    /// Samples that a later one at the same tick replaced: they were not flown.
+    /// Samples replaced by a later one at the same tick: they were not flown.
     pub superseded_samples: u64,
-    /// Rows before the row before them in time: they have no place and were not flown.
+    /// Rows earlier than the row before them: they have no place and were not flown.
     pub late_rows: u64,
 }
 
 impl GridReport {
-    /// Goes through the rows once.
+    /// Walks over the rows and counts them.
     ///
     /// # Errors
     /// [`FlyError::Gap`] for a gap of more than an hour, or a time near the end of the clock.
@@ -101,8 +101,8 @@ impl<Rows: Iterator<Item = TickInput>> Iterator for OnGrid<Rows> {
     }
 }
 
-/// Adds a row to a tick; says how many samples it replaced. The patterns name every field, so that a new one
-/// cannot be forgotten here.
+/// Adds a row to a tick and returns how many samples it replaced. The patterns name every field, so that a
+/// new one cannot be forgotten here.
 fn merge(tick: &mut TickInput, row: TickInput) -> u64 {
     let TickInput {
         time_us: _,
@@ -114,7 +114,7 @@ fn merge(tick: &mut TickInput, row: TickInput) -> u64 {
         imu_slave_altitude_m,
         imu,
         signals,
-        // No flight computer has any.
+        // A flight computer has none.
         columns: _,
     } = row;
     let Signals {
@@ -146,7 +146,7 @@ fn merge(tick: &mut TickInput, row: TickInput) -> u64 {
     .sum()
 }
 
-/// Puts a new sample in its place; whether there was one.
+/// Stores a new sample and returns whether it replaced one.
 fn put<T>(place: &mut Option<T>, new: Option<T>) -> bool {
     new.is_some_and(|new| place.replace(new).is_some())
 }
@@ -190,7 +190,7 @@ mod tests {
         let ticks = ticks(&rows);
         assert_eq!(ticks[1].baro, Some(BaroReading::PressurePa(3.0)));
         assert_eq!(ticks[1].imu_slave_altitude_m, Some(7.0));
-        // The row of 9.5 ms says that there was no launch, and it is the later one.
+        // The row of 9.5 ms has no launch, and it is the later one.
         assert!(!ticks[1].launch);
     }
 

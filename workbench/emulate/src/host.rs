@@ -1,4 +1,4 @@
-//! The host's flight computer: the one of the firmware, beside it.
+//! The host's flight computer: the firmware's, run beside it.
 
 use chip_models::flown::RecordedSensors;
 use drivers::{Device, Faults, Sensors};
@@ -15,11 +15,11 @@ use replay::{AnyMission, ReplayError, mission};
 /// The flight computer of a model, on the host.
 pub(super) type HostComputer = FlightComputer<HostSensors, Box<dyn AnyMission>>;
 
-/// The sensors of a record, with an error planted if asked for.
+/// The sensors of a record, with an injected error if requested.
 pub(super) struct HostSensors {
     /// The sensors.
     pub(super) recorded: RecordedSensors<()>,
-    /// Every barometer reading is one unit in the last place off.
+    /// Whether every barometer reading is shifted by one unit in the last place.
     ulp_error: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What is in a linked image.
+//! The contents of a linked image.
 
 use std::fs;
 use std::path::Path;
@@ -7,10 +7,10 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind};
 
 use super::error::FlyError;
 
-/// Where the RAM of the flight computer starts; everything allocated below it is flash.
+/// Start of the flight computer's RAM; everything allocated below it is flash.
 const RAM_START: u64 = 0x2000_0000;
 
-/// The linker script's name of the start of the retained RAM.
+/// Linker script's symbol of the start of the retained RAM.
 const RETAINED_START: &str = "_retained_start";
 
 /// Sizes and symbols of an image.
@@ -18,12 +18,12 @@ const RETAINED_START: &str = "_retained_start";
 pub struct Image {
     /// Flash that the image takes, bytes: vectors, code, constants, and the initial values of variables.
     pub flash_bytes: u64,
-    /// RAM that its static variables take, bytes; the stack is not among them.
+    /// RAM that its static variables take, bytes; without the stack.
     pub static_ram_bytes: u64,
-    /// Where the RAM begins that a reset leaves alone on the boards that fly a record (`memory.x`), if the
+    /// Start of the RAM that a reset leaves unchanged on the boards that fly a record (`memory.x`), if the
     /// image has one.
     pub retained_start: Option<u64>,
-    /// Whether a constant names a file of cargo's registry, and so the home directory of whoever has built
+    /// Whether a constant names a file of cargo's registry, and so the home directory of the user who built
     /// the image.
     pub names_registry: bool,
     /// Names of all symbols, demangled.
@@ -51,7 +51,7 @@ impl Image {
             if section.address() >= RAM_START {
                 image.static_ram_bytes += section.size();
             }
-            // Initial values of variables lie in flash and in RAM.
+            // Initial values of variables take both flash and RAM.
             if section.kind() != SectionKind::UninitializedData {
                 image.flash_bytes += section.size();
                 let name = b"/registry/src/";
@@ -59,7 +59,7 @@ impl Image {
             }
         }
         for symbol in file.symbols() {
-            // Names of the log's texts are no code and may contain anything.
+            // Symbols of the log's texts are not code and may contain anything.
             let in_log = symbol.section_index().is_some_and(|index| {
                 file.section_by_index(index).is_ok_and(|section| section.name() == Ok(".defmt"))
             });

@@ -1,5 +1,5 @@
-//! A flight through the firmware, in the emulated flight computer or on a board, compared with the host to
-//! the bit.
+//! A flight through the firmware, in the emulated flight computer or on a board, compared with the host bit
+//! by bit.
 
 mod agreement;
 mod builder;

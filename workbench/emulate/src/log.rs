@@ -1,9 +1,8 @@
-//! What the firmware logged: defmt frames on QEMU's or OpenOCD's standard output, whose texts are in the
-//! image.
+//! The firmware's log: defmt frames on QEMU's or OpenOCD's standard output, whose texts are in the image.
 
 use defmt_decoder::{DecodeError, Table};
 
-/// The lines of a log. A frame that does not decode is a line that says so.
+/// The lines of a log. For a frame that does not decode there is a line that reports it.
 pub(super) fn lines(image: &[u8], logged: &[u8]) -> Vec<String> {
     let table = match Table::parse(image) {
         Ok(Some(table)) => table,

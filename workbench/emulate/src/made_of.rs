@@ -1,4 +1,4 @@
-//! Whether an image that is there was built from the sources as they are: then nothing need be linked, which
+//! Whether an existing image was built from the current sources: then it need not be linked again, which
 //! takes some twenty seconds whenever another model was built in between.
 
 use std::fs::{self, File};
@@ -7,8 +7,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// What the firmware is built from, in the checkout: its crates and what cargo is told about them. Other
-/// crates have no say.
+/// What the firmware is built from, in the checkout: its crates and cargo's settings for them. Other crates
+/// do not matter.
 const SOURCES: &[&str] = &[
     ".cargo",
     "Cargo.lock",
@@ -57,20 +57,20 @@ fn key_file(image: &Path) -> PathBuf {
     image.with_extension("made-of")
 }
 
-/// Whether this image has that key. One that has is marked as just used, so that it is not pruned.
+/// Whether this image has that key. If so it is marked as just used, so that it is not pruned.
 pub fn is_current(image: &Path, key: &str) -> bool {
     let file = key_file(image);
     let current = image.is_file() && fs::read_to_string(&file).is_ok_and(|found| found == key);
     if current {
         for used in [image, &file] {
-            // A time that cannot be set only lets the image be pruned sooner.
+            // If the time cannot be set, the image is only pruned sooner.
             let _ = File::open(used).and_then(|file| file.set_modified(SystemTime::now()));
         }
     }
     current
 }
 
-/// To be called before the image is replaced: until [`keep`] it has no key.
+/// Call this before the image is replaced: until [`keep`] it has no key.
 ///
 /// # Errors
 /// The old key cannot be removed.
@@ -81,7 +81,7 @@ pub fn forget(image: &Path) -> io::Result<()> {
     }
 }
 
-/// Writes the key down, once the image is in its place.
+/// Stores the key, once the image is in its place.
 ///
 /// # Errors
 /// It cannot be written.

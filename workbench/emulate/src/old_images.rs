@@ -1,14 +1,14 @@
-//! Images of models that nobody flies any more.
+//! Removes images of models that are no longer flown.
 
 use std::fs;
 use std::io;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-/// So many of the newest files are kept, an image, its key and its model's source each: a run of all tests
+/// Number of newest files that are kept, an image, its key and its model's source each: a run of all tests
 /// makes 125, and finds them when it is run again.
 const KEPT: usize = 240;
-/// A file younger than this is kept however many there are: its image may be about to fly.
+/// A file younger than this is always kept: its image may be about to fly.
 const YOUNG: Duration = Duration::from_secs(3_600);
 
 /// Removes all but the newest files of a folder.
@@ -28,7 +28,7 @@ pub fn prune(folder: &Path, now: SystemTime) -> io::Result<()> {
     let older = files.len().saturating_sub(KEPT);
     for (modified, file) in files.into_iter().take(older) {
         if now.duration_since(modified).is_ok_and(|age| age > YOUNG) {
-            // Whoever holds the file open, or may not remove it, keeps it until the next build.
+            // A file that is open elsewhere or may not be removed stays until the next build.
             let _ = fs::remove_file(file);
         }
     }

@@ -1,8 +1,8 @@
-//! A program whose threads take turns, on one processor.
+//! Runs a program whose threads take turns on one processor.
 //!
-//! QEMU's two threads hand over to each other some fifty times a tick, and to wake one that sleeps on another
-//! processor takes longer than what it then does. On one processor a flight takes little more than half the
-//! time, and leaves the others to whoever else needs them. It changes no bit: where this cannot be had, the
+//! QEMU's two threads hand over to each other some fifty times a tick, and waking one that sleeps on another
+//! processor takes longer than the work it then does. On one processor a flight takes little more than half
+//! the time and leaves the others free. The results do not change by a bit: where this is not possible, the
 //! program runs wherever the system likes.
 
 use std::fs::File;
@@ -10,13 +10,12 @@ use std::io;
 use std::path::Path;
 use std::process::{Child, Command};
 
-/// A processor that no other program of ours is kept on, until this is dropped or the process ends.
+/// A processor reserved for one of our programs, until this is dropped or the process ends.
 #[derive(Debug)]
 pub struct Processor(#[expect(dead_code, reason = "a lock is there to be held")] File);
 
-/// Starts a program on one of the processors that this thread may use: on one that is free of programs that
-/// were started so with the same `folder`, in this process or another, or else on the one that this thread is
-/// on.
+/// Starts a program on one of the processors that this thread may use: on one without a program that was
+/// started this way with the same `folder`, in this process or another; else on this thread's current one.
 ///
 /// # Errors
 /// The program cannot be started.
@@ -32,11 +31,11 @@ pub fn spawn(command: &mut Command, folder: &Path) -> io::Result<(Child, Option<
         };
     let mut one = CpuSet::new();
     one.set(number);
-    // A child inherits from the thread that starts it; no other thread of ours is touched.
+    // A child inherits the affinity of the thread that starts it; no other thread of ours is affected.
     let is_kept = sched_setaffinity(None, &one).is_ok();
     let child = command.spawn();
     if is_kept {
-        // What has just been allowed is not refused.
+        // Restores what was allowed before, which is not refused.
         let _ = sched_setaffinity(None, &allowed);
     }
     Ok((child?, processor))
@@ -51,7 +50,7 @@ pub fn spawn(command: &mut Command, _folder: &Path) -> io::Result<(Child, Option
     Ok((command.spawn()?, None))
 }
 
-/// The first of these processors that nobody has claimed, and the claim; none where a claim cannot be kept in
+/// The first of these processors that is not claimed, and the claim; `None` where a claim cannot be kept in
 /// the folder.
 #[cfg(target_os = "linux")]
 fn claim(folder: &Path, processors: impl Iterator<Item = usize>) -> Option<(usize, Processor)> {
@@ -82,7 +81,7 @@ mod tests {
         assert!(claim(&folder.path().join("missing"), [3].into_iter()).is_none());
     }
 
-    /// With a folder to keep claims in, and without: the children may use one processor, and this thread all
+    /// With a folder to keep claims in, and without: the child may use one processor, and this thread all
     /// that it could before.
     #[test]
     fn a_child_is_kept_on_one_processor_and_this_thread_on_none() {

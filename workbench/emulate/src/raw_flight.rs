@@ -1,4 +1,4 @@
-//! Flights that are compared with nothing: of any bytes, and of a flight computer that is struck.
+//! Flights that are not compared: of arbitrary bytes, and of a flight computer that is struck.
 
 use std::fs;
 
@@ -15,15 +15,15 @@ use super::grid::{GridReport, OnGrid};
 use super::record::{self, FlightResult};
 use super::run::{TELEMETRY_FILE, emulated, name, results};
 
-/// Flies any bytes at all as a flight record, good or bad: nothing is compared.
+/// Flies arbitrary bytes as a flight record, valid or not, without a comparison.
 ///
 /// # Errors
-/// Only what keeps the emulation from running to an end of its own.
+/// Only what keeps the emulation from ending by itself.
 pub fn fly_bytes(record: &[u8], model: &Model, planted: Option<PlantedError>) -> Result<RawFlight, FlyError> {
     fly_raw(record, model, planted, &[])
 }
 
-/// Flies a flight record whose flight computer is struck at these times: it must go on.
+/// Flies a flight record whose flight computer is struck at these times: it must continue.
 ///
 /// # Errors
 /// As [`fly_bytes`].
@@ -31,10 +31,10 @@ pub fn fly_struck(record: &[u8], model: &Model, strikes: &[Strike]) -> Result<Ra
     fly_raw(record, model, Some(PlantedError::Strike), strikes)
 }
 
-/// As [`fly_struck`], of ticks on chips with faults of theirs.
+/// As [`fly_struck`], for ticks on chips with faults.
 ///
 /// # Errors
-/// As [`fly_struck`], and a fault that cannot be.
+/// As [`fly_struck`], and a fault that is not possible.
 pub fn fly_struck_on_chips(
     inputs: impl Iterator<Item = TickInput> + Clone,
     model: &Model,
@@ -79,7 +79,7 @@ fn fly_raw(
     Ok(flight)
 }
 
-/// What an emulated flight on any bytes said.
+/// What an emulated flight on arbitrary bytes produced.
 #[derive(Clone, Debug, Default)]
 pub struct RawFlight {
     /// How the firmware ended it; `None` if it did not.
@@ -88,14 +88,14 @@ pub struct RawFlight {
     pub log: Vec<String>,
     /// Every tick.
     pub ticks: Vec<TickRecord>,
-    /// Every latched calibration; there should be one at most.
+    /// Every latched calibration; there should be at most one.
     pub latches: Vec<LatchRecord>,
     /// Every restart, and how many ticks there were before it.
     pub restarts: Vec<(usize, RestartReport)>,
-    /// What was counted, if the flight came to its end.
+    /// The counters, if the flight reached its end.
     pub summary: Option<Summary>,
-    /// What went over the telemetry's line; a restart may have cut a frame.
+    /// Output of the telemetry line; a restart may have cut a frame.
     pub telemetry: Vec<u8>,
-    /// All of that but log and telemetry, as the flight computer sent it.
+    /// All of that except log and telemetry, as the flight computer sent it.
     pub record: Vec<u8>,
 }

@@ -1,4 +1,4 @@
-//! The files that go into the emulation and come out of it.
+//! The emulation's input and output files.
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -60,17 +60,17 @@ impl Writer<'_> {
 /// One result of the flight computer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FlightResult {
-    /// What a tick said.
+    /// The output of a tick.
     Tick(TickRecord),
     /// The calibration, after the tick that latched it.
     Latch(LatchRecord),
-    /// The flight computer has restarted; what follows is from after it.
+    /// The flight computer has restarted; what follows is from after the restart.
     Restart(RestartReport),
-    /// What was counted: the last one.
+    /// The counters; the last result.
     Summary(Summary),
 }
 
-/// The results of an emulation, read as they are asked for.
+/// The results of an emulation, read on demand.
 pub struct Results {
     file: BufReader<File>,
     decoder: Decoder,
@@ -87,7 +87,7 @@ impl Results {
     /// The next result; `None` at the end of the file.
     ///
     /// # Errors
-    /// [`FlyError::Results`] for anything that is not a result, or lacks one before it.
+    /// [`FlyError::Results`] for anything that is not a result, or if a result before it is missing.
     pub fn next_result(&mut self) -> Result<Option<FlightResult>, FlyError> {
         loop {
             let mut byte = [0];
@@ -106,7 +106,7 @@ impl Results {
             }
             let bad_payload = |error| FlyError::Results(ResultsError::Payload(error));
             match (frame.kind, self.header) {
-                // A header after others: the flight computer has restarted.
+                // A later header: the flight computer has restarted.
                 (Kind::Header, _) => {
                     let header: Header = frame.payload().map_err(bad_payload)?;
                     if header != Header::new(Stream::Outputs, header.model, header.sensors) {
@@ -141,7 +141,7 @@ mod tests {
 
     use super::*;
 
-    /// What reading these bytes as results ends with.
+    /// The error that reading these bytes as results ends with.
     fn read(bytes: &[u8]) -> FlyError {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), bytes).unwrap();

@@ -1,14 +1,14 @@
-//! Leaves out of an image where cargo keeps the dependencies' sources. A panic's message names its file, and
-//! every such name would put the builder's home directory into the flash.
+//! Keeps the path of cargo's dependency sources out of an image. A panic's message names its file, and every
+//! such name would put the builder's home directory into the flash.
 //!
-//! `xtask`, which depends on none of our crates, includes this file by its path.
+//! `xtask`, which depends on none of our crates, includes this file by path.
 
 use std::env;
 use std::ffi::OsString;
 use std::fs;
 use std::path::PathBuf;
 
-/// The compiler's flags that do it, as `CARGO_ENCODED_RUSTFLAGS` takes them.
+/// The compiler flags for this, in the form of `CARGO_ENCODED_RUSTFLAGS`.
 pub fn compiler_flags() -> OsString {
     let home = env::var_os("CARGO_HOME")
         .map(PathBuf::from)

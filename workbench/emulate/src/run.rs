@@ -11,25 +11,25 @@ use super::error::FlyError;
 use super::log;
 use super::record::Results;
 
-/// Longest wait for an emulation that does not end, besides [`PATIENCE_PER_TICK`].
+/// Longest wait for an emulation that does not end, plus [`PATIENCE_PER_TICK`].
 const PATIENCE: Duration = Duration::from_secs(120);
-/// And for each tick: some fifty times what a tick takes.
+/// The same for each tick: some fifty times what a tick takes.
 const PATIENCE_PER_TICK: Duration = Duration::from_millis(10);
 
-/// The file of the telemetry's line, in the emulation's folder.
+/// File of the telemetry line's bytes, in the emulation's folder.
 pub(crate) const TELEMETRY_FILE: &str = "telemetry.bin";
 
 /// What a flight left behind.
 pub struct Run {
     /// How the firmware ended it; `None` if it did not.
     pub status: Option<ExitStatus>,
-    /// What it logged; QEMU's own words if the firmware did not end it.
+    /// What it logged; QEMU's own output if the firmware did not end it.
     pub log: Vec<String>,
     /// Its results.
     pub results: Results,
 }
 
-/// Runs an image in QEMU on what is in this directory, so many ticks or fewer.
+/// Runs an image in QEMU on the record in this directory, of at most this many ticks.
 pub(crate) fn emulated(
     image: &Path,
     directory: &Path,
@@ -55,7 +55,7 @@ impl Run {
     }
 }
 
-/// A file's name as Rust has it.
+/// A file's name as a Rust string.
 pub(crate) fn name(file: &'static std::ffi::CStr) -> Result<&'static str, FlyError> {
     file.to_str().map_err(FlyError::FileName)
 }

@@ -1,19 +1,19 @@
 //! How evenly the ticks began.
 
-/// When ticks began, against the even grid of their timer.
+/// Start times of ticks, compared with the even grid of their timer.
 #[derive(Clone, Debug, Default)]
 pub struct Starts {
     begun: Vec<u32>,
 }
 
 impl Starts {
-    /// Takes when the next tick began: instructions, wrapping.
+    /// Adds the start of the next tick: instructions, wrapping.
     pub fn take(&mut self, begun: u32) {
         self.begun.push(begun);
     }
 
-    /// From one interrupt of the timer to the next, instructions: the median of what lay between two ticks.
-    /// The emulated timer's period is not the 5 ms that it is set to, to the instruction.
+    /// Period of the timer's interrupts, instructions: the median interval between two ticks. The emulated
+    /// timer's period is not exactly the 5 ms that it is set to.
     #[must_use]
     pub fn period(&self) -> u32 {
         let mut intervals = self.intervals();
@@ -24,8 +24,8 @@ impl Starts {
         }
     }
 
-    /// How much later on the grid one tick began than another at most, instructions. Interrupts of the timer
-    /// without a tick may lie between.
+    /// Largest difference between how late two ticks began on the grid, instructions. There may be interrupts
+    /// without a tick between them.
     #[must_use]
     pub fn jitter(&self) -> u64 {
         let period = i64::from(self.period().max(1));
@@ -53,7 +53,7 @@ mod tests {
 
     const PERIOD: i64 = 4_999_999;
 
-    /// Ticks at these places of the grid, each so much late.
+    /// Ticks at these places of the grid, each this late.
     fn starts(ticks: impl IntoIterator<Item = (i64, i64)>) -> Starts {
         let mut starts = Starts::default();
         for (place, late) in ticks {
@@ -70,7 +70,7 @@ mod tests {
         let even = starts((0..20).map(|k| (k, 7)));
         assert_eq!((even.period(), even.jitter()), (4_999_999, 0));
         assert_eq!(starts((0..20).map(|k| (k, [5, 0, 5, 11, 5][k as usize % 5]))).jitter(), 11);
-        // One tick late in a thousand, and once for all.
+        // One tick in a thousand is late, then every tick from one on.
         assert_eq!(starts((0..1_000).map(|k| (k, if k == 400 { 90 } else { 0 }))).jitter(), 90);
         assert_eq!(starts((0..1_000).map(|k| (k, if k >= 400 { 90 } else { 0 }))).jitter(), 90);
     }

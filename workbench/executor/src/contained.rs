@@ -1,4 +1,4 @@
-//! A panic in one place that is not to cost the rest: a defect, told as such.
+//! Contains a panic, so that it does not stop the rest: it is reported as a defect.
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -7,7 +7,7 @@ use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
 
 thread_local! {
-    /// Within [`contained`]: where the newest panic of this thread was.
+    /// Within [`contained`]: place of this thread's latest panic.
     static PLACE: RefCell<Option<String>> = const { RefCell::new(None) };
     static DEPTH: RefCell<u32> = const { RefCell::new(0) };
 }
@@ -30,7 +30,7 @@ impl fmt::Display for Panicked {
 
 impl std::error::Error for Panicked {}
 
-/// Does something, and goes on after a panic of it. The panic is not printed.
+/// Does some work and continues after its panic. The panic is not printed.
 ///
 /// # Errors
 /// [`Panicked`].
@@ -47,7 +47,7 @@ pub fn contained<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
         }));
     });
     DEPTH.with_borrow_mut(|depth| *depth += 1);
-    // What `work` had in hand is given up with it.
+    // What `work` was using is dropped with it.
     let done = catch_unwind(AssertUnwindSafe(work));
     DEPTH.with_borrow_mut(|depth| *depth -= 1);
     done.map_err(|payload| Panicked { message: message(payload.as_ref()).to_owned(), place: PLACE.take() })

@@ -1,24 +1,24 @@
-//! Who does work that can be divided: the caller alone, or threads that the program brings.
+//! Runs work that can be divided: in the calling thread, or in threads that the program provides.
 //!
-//! The workbench's crates divide their work into jobs and start no thread themselves, so that they run where
-//! there is none, in a browser for one. What they give is the same whoever does the jobs: results come in the
+//! The workbench's crates divide their work into jobs and start no thread themselves, so that they also run
+//! where there are no threads, such as in a browser. Results do not depend on the executor: they come in the
 //! order of the jobs.
 
 pub mod contained;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Does jobs, one after another or several at a time.
+/// Runs jobs, one after another or several at a time.
 pub trait Executor: Sync {
-    /// How many jobs can be done at a time, at least 1: into so many parts work is worth dividing.
+    /// How many jobs can run at a time, at least 1: the number of parts that work is worth dividing into.
     fn width(&self) -> usize;
 
     /// Calls `job` with every number below `jobs`, once each and in any order; returns when all have ended. A
-    /// panic of one goes on in the caller.
+    /// job's panic is passed on to the caller.
     fn for_each(&self, jobs: usize, job: &(dyn Fn(usize) + Sync));
 }
 
-/// Does every job itself, in their order.
+/// Runs every job itself, in order.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Inline;
 
@@ -32,14 +32,14 @@ impl Executor for Inline {
     }
 }
 
-/// A job, or what it gave.
+/// A job, or its result.
 enum Slot<J, T> {
     Waiting(J),
     Running,
     Done(T),
 }
 
-/// What the jobs give, in their order.
+/// Results of the jobs, in their order.
 ///
 /// # Panics
 /// When a job does.
@@ -58,7 +58,7 @@ where
                 None
             }
         };
-        // The lock is free again before the job begins.
+        // The lock is released before the job begins.
         let job = take(&mut locked(slot));
         if let Some(job) = job {
             let value = job();
@@ -69,14 +69,14 @@ where
     slots
         .map(|slot| match slot {
             Slot::Done(value) => value,
-            // An executor that leaves jobs out costs time, not results.
+            // A job that an executor left out costs time, not results.
             Slot::Waiting(job) => job(),
             Slot::Running => unreachable!("the executor came back before its jobs had ended"),
         })
         .collect()
 }
 
-/// What two pieces of work give that do not wait for one another.
+/// Results of two pieces of work that do not wait for each other.
 ///
 /// # Panics
 /// When one does.
@@ -107,7 +107,7 @@ fn locked<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use super::*;
 
-    /// One that does the last job first, some twice, and leaves the first one out.
+    /// An executor that runs the last job first, runs some twice, and leaves the first one out.
     struct Careless;
 
     impl Executor for Careless {

@@ -1,8 +1,8 @@
-//! The channels that a flight file may have.
+//! The known channels of a flight file.
 
 macro_rules! channels {
     ($($(#[$doc:meta])* $variant:ident = $name:literal,)*) => {
-        /// A known column of a flight file; the name says the unit.
+        /// A known column of a flight file; its name gives the unit.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Channel {
             $($(#[$doc])* $variant,)*
@@ -26,8 +26,8 @@ macro_rules! channels {
 channels! {
     /// The umbilical discrete: 1 once the UAV has left the mother ship.
     Launch = "launch",
-    /// What stands behind `launch`, as a flight computer decided it: 0 nothing, 1 not launched and suspected
-    /// to be, 2 launched by the wire's word alone (optional; held from one cell to the next, as `launch`).
+    /// What supports `launch`, as decided by a flight computer: 0 nothing, 1 not launched but suspected, 2
+    /// launched by the wire alone (optional; held from one cell to the next, as `launch`).
     LaunchDoubt = "launch_doubt",
     /// `gps_alt_m`, m.
     GpsAltM = "gps_alt_m",
@@ -41,7 +41,7 @@ channels! {
     GpsVaccM = "gps_vacc_m",
     /// Satellites used in the fix.
     GpsSats = "gps_sats",
-    /// Time of the fix by the receiver's clock, s (optional; tells a held fix from a new one).
+    /// Time of the fix by the receiver's clock, s (optional; distinguishes a held fix from a new one).
     GpsTimeS = "gps_time_s",
     /// `baro_pa`, Pa.
     BaroPa = "baro_pa",
@@ -84,7 +84,7 @@ channels! {
 }
 
 impl Channel {
-    /// The channel of that column name, or `None`.
+    /// The channel with that column name, or `None`.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|channel| channel.name() == name)

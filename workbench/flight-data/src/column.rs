@@ -1,15 +1,15 @@
 //! One channel's cells.
 
-/// Bit pattern of an empty cell: a NaN that no arithmetic and no parser makes.
+/// Bit pattern of an empty cell: a NaN that arithmetic and parsers do not produce.
 const EMPTY: u32 = 0x7fc0_dead;
-/// The same of a cell in double precision.
+/// The same for a cell in double precision.
 const EMPTY_DOUBLE: u64 = 0x7ff8_0000_0000_dead;
 
 /// Cells of one channel, one a row; an empty cell means "no new sample at that time", which is not
 /// the same as a sample that is NaN.
 ///
-/// In single precision, the estimator's own; positions in double precision, because f32 would round a degree
-/// to a metre.
+/// Cells are in single precision, as in the estimator; positions are in double precision, because f32 would
+/// round a degree to a metre.
 #[derive(Clone, Debug)]
 pub struct Column(Cells);
 
@@ -38,14 +38,15 @@ impl Column {
         Self(Cells::Double(vec![f64::from_bits(EMPTY_DOUBLE); rows]))
     }
 
-    /// A column of `rows` empty cells, as precise as a column of that name is: see [`Self::is_double_named`].
+    /// A column of `rows` empty cells, with the precision for a column of that name: see
+    /// [`Self::is_double_named`].
     #[must_use]
     pub fn empty_named(name: &str, rows: usize) -> Self {
         if Self::is_double_named(name) { Self::empty_double(rows) } else { Self::empty(rows) }
     }
 
-    /// Whether a column of that name has double precision: those of positions, whose names end with
-    /// `latitude_deg` or `longitude_deg`.
+    /// Whether a column of that name has double precision: positions, whose names end with `latitude_deg` or
+    /// `longitude_deg`.
     #[must_use]
     pub fn is_double_named(name: &str) -> bool {
         name.ends_with("latitude_deg") || name.ends_with("longitude_deg")
@@ -63,23 +64,23 @@ impl Column {
         Self(Cells::Double(Vec::with_capacity(rows)))
     }
 
-    /// A column of cells as [`Self::cell`] makes them.
+    /// A column of cells made by [`Self::cell`].
     pub(super) const fn from_cells(cells: Vec<f32>) -> Self {
         Self(Cells::Single(cells))
     }
 
-    /// A column of cells as [`Self::double_cell`] makes them.
+    /// A column of cells made by [`Self::double_cell`].
     pub(super) const fn from_double_cells(cells: Vec<f64>) -> Self {
         Self(Cells::Double(cells))
     }
 
-    /// What a column holds for a cell.
+    /// The stored form of a cell.
     #[inline]
     pub(super) fn cell(cell: Option<f32>) -> f32 {
         cell.unwrap_or(f32::from_bits(EMPTY))
     }
 
-    /// What a column in double precision holds for a cell.
+    /// The stored form of a cell in double precision.
     #[inline]
     pub(super) fn double_cell(cell: Option<f64>) -> f64 {
         cell.unwrap_or(f64::from_bits(EMPTY_DOUBLE))
@@ -91,7 +92,7 @@ impl Column {
         matches!(self.0, Cells::Double(_))
     }
 
-    /// Cells in single and in double precision, of which one has none.
+    /// Cells in single and in double precision; one of the two is empty.
     fn parts(&self) -> (&[f32], &[f64]) {
         match &self.0 {
             Cells::Single(cells) => (cells, &[]),
@@ -108,7 +109,7 @@ impl Column {
         }
     }
 
-    /// Appends a cell, as precise as the column is.
+    /// Appends a cell in the column's precision.
     #[inline]
     pub fn push_f64(&mut self, cell: Option<f64>) {
         match &mut self.0 {
@@ -117,7 +118,7 @@ impl Column {
         }
     }
 
-    /// Puts a cell before that of a row, or at the end where there is no such row yet.
+    /// Inserts a cell before that of a row, or at the end if there is no such row yet.
     pub fn insert(&mut self, row: usize, cell: Option<f32>) {
         match &mut self.0 {
             Cells::Single(cells) => cells.insert(row.min(cells.len()), Self::cell(cell)),
@@ -135,7 +136,7 @@ impl Column {
         }
     }
 
-    /// Sets the cell of a row that exists; says whether it does.
+    /// Sets the cell of a row; returns false if there is no such row.
     #[inline]
     pub fn set(&mut self, row: usize, cell: Option<f32>) -> bool {
         match &mut self.0 {
@@ -147,7 +148,7 @@ impl Column {
         .is_some()
     }
 
-    /// As [`Self::set`], as precise as the column is.
+    /// As [`Self::set`], in the column's precision.
     #[inline]
     pub fn set_f64(&mut self, row: usize, cell: Option<f64>) -> bool {
         match &mut self.0 {
@@ -172,7 +173,7 @@ impl Column {
         }
     }
 
-    /// As [`Self::get`], as precise as the column is.
+    /// As [`Self::get`], in the column's precision.
     #[must_use]
     #[inline]
     pub fn get_f64(&self, row: usize) -> Option<f64> {
@@ -202,14 +203,15 @@ impl Column {
         single.chain(double_samples(double).map(|(row, value)| (row, value as f32)))
     }
 
-    /// As [`Self::samples`], as precise as the column is.
+    /// As [`Self::samples`], in the column's precision.
     pub fn samples_f64(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let (single, double) = self.parts();
         let single = single.iter().copied().enumerate().filter(|(_, value)| value.to_bits() != EMPTY);
         single.map(|(row, value)| (row, f64::from(value))).chain(double_samples(double))
     }
 
-    /// The cells of some rows, as a column as precise as this one; of a row that does not exist an empty one.
+    /// The cells of some rows, as a column of the same precision; an empty cell for a row that does not
+    /// exist.
     #[must_use]
     pub fn picked(&self, rows: impl IntoIterator<Item = usize>) -> Self {
         let rows = rows.into_iter();
@@ -221,7 +223,7 @@ impl Column {
         found
     }
 
-    /// Sets bit `bit` of the mark of each of some rows that has a sample.
+    /// Sets bit `bit` in the mark of each of these rows that has a sample.
     pub(super) fn mark_samples(&self, rows: std::ops::Range<usize>, bit: u32, marks: &mut [u64]) {
         match &self.0 {
             Cells::Single(cells) => {
@@ -272,7 +274,7 @@ mod tests {
         assert_eq!(column.len(), 4);
     }
 
-    /// A position of 1e-7 degree is a centimetre; f32 has steps of up to 15 µdeg there.
+    /// 1e-7 degree of a position is a centimetre; f32 has steps of up to 15 µdeg there.
     #[test]
     fn a_column_in_double_precision_keeps_every_digit_and_what_is_empty() {
         let mut column = Column::empty_named("gps_2_longitude_deg", 2);

@@ -1,4 +1,4 @@
-//! Reading a flight's CSV.
+//! Reading a flight from CSV.
 
 mod rows;
 
@@ -14,16 +14,16 @@ use super::names::{self, Meaning};
 use super::note::Note;
 use super::{AltitudeDatum, Flight, Header};
 
-/// Reads a flight from the text of a CSV file, with notes on what was odd but readable.
+/// Reads a flight from the text of a CSV file, with notes on what was unusual but readable.
 ///
 /// # Errors
-/// The first thing in the text that is not as [the crate](crate) says, with row and column.
+/// The first violation of the format described in [the crate](crate), with row and column.
 pub fn parse(text: &[u8]) -> Result<(Flight, Vec<Note>), CsvProblem> {
     parse_with(text, &Inline)
 }
 
-/// As [`parse`], a long text in as many parts as the executor can do at a time. The flight is the same
-/// whoever reads it.
+/// As [`parse`], with a long text divided into as many parts as the executor can do at a time. The flight is
+/// the same whatever the executor.
 ///
 /// # Errors
 /// As [`parse`].
@@ -56,7 +56,7 @@ pub fn parse_with(text: &[u8], executor: &dyn Executor) -> Result<(Flight, Vec<N
     Ok((flight, notes))
 }
 
-/// The next line without its end, which is a line feed, a carriage return, or both, and what follows it.
+/// The next line without its end, which is a line feed, a carriage return or both, and the text after it.
 fn split_line(text: &[u8]) -> (&[u8], &[u8]) {
     match memchr::memchr2(b'\n', b'\r', text) {
         Some(end) => {
@@ -68,7 +68,7 @@ fn split_line(text: &[u8]) -> (&[u8], &[u8]) {
     }
 }
 
-/// The header lines, how many lines they are, and the text after them.
+/// The header lines, how many there are, and the text after them.
 fn parse_header(text: &[u8]) -> Result<(Header, u64, &[u8]), CsvProblem> {
     let mut header = Header::default();
     let mut seen: Vec<&str> = Vec::new();
@@ -92,7 +92,7 @@ fn parse_header(text: &[u8]) -> Result<(Header, u64, &[u8]), CsvProblem> {
     if seen.contains(&VERSION) { Ok((header, row, rest)) } else { Err(CsvProblem::NoVersion) }
 }
 
-/// Header key of the format's version.
+/// Header key of the format version.
 const VERSION: &str = "pylon-flight";
 
 fn parse_header_line<'a>(
@@ -140,7 +140,7 @@ fn parse_header_line<'a>(
     Ok(())
 }
 
-/// The column names, the line they are in, and the text after that line.
+/// The column names, the line they are on, and the text after that line.
 fn parse_names(text: &[u8], lines_before: u64) -> Result<(Vec<String>, u64, &[u8]), CsvProblem> {
     let row = lines_before + 1;
     let mut reader = ReaderBuilder::new().has_headers(false).from_reader(Cursor::new(text));
@@ -169,7 +169,7 @@ fn parse_names(text: &[u8], lines_before: u64) -> Result<(Vec<String>, u64, &[u8
         }
     }
     let end = usize::try_from(reader.position().byte()).unwrap_or(usize::MAX);
-    // A quoted name can hold a line end.
+    // A quoted name can contain a line end.
     let lines = count_lines(text.get(..end).unwrap_or(text));
     Ok((names, lines_before + lines.max(1), text.get(end..).unwrap_or_default()))
 }
@@ -178,7 +178,7 @@ fn count_lines(text: &[u8]) -> u64 {
     memchr::memchr_iter(b'\n', text).count() as u64
 }
 
-/// Text for a message: one line, not too long, every control character visible.
+/// Text for a message: one line, shortened, every control character visible.
 fn shorten(text: &[u8]) -> String {
     const LONGEST: usize = 40;
     let text = String::from_utf8_lossy(text);

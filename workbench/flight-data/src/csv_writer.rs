@@ -1,4 +1,4 @@
-//! Writing a flight's CSV.
+//! Writing a flight as CSV.
 
 use std::collections::BTreeSet;
 use std::io::{self, Write};
@@ -8,16 +8,16 @@ use super::error::FlightError;
 use super::names;
 use super::{Channel, Flight, MAX_TIME_S};
 
-/// Bytes of rows that are handed on at once.
+/// Bytes of rows that are written at once.
 const WRITTEN_AT_ONCE: usize = 1 << 16;
-/// Smaller numbers have no exponent, or a negative one.
+/// Smaller numbers have no exponent or a negative one.
 const LARGE: f32 = 1e12;
 
 /// Writes a flight as CSV text: the known channels in the order of [`Channel::ALL`], then the others.
 ///
 /// # Errors
-/// What `out` fails with; [`io::ErrorKind::InvalidInput`] with a [`FlightError`] for a flight whose
-/// text would not read back as the same flight. Nothing is written then.
+/// Errors of `out`; [`io::ErrorKind::InvalidInput`] with a [`FlightError`] for a flight whose text would not
+/// read back as the same flight. In that case nothing is written.
 pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     check(flight).map_err(|error| io::Error::new(io::ErrorKind::InvalidInput, error))?;
     let mut out = out;
@@ -31,13 +31,13 @@ pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     let mut csv = csv::WriterBuilder::new().from_writer(Vec::new());
     csv.write_record(std::iter::once(names::TIME).chain(names))?;
     let mut text = csv.into_inner().map_err(csv::IntoInnerError::into_error)?;
-    // A number needs no quotes, and every row has its time: most of the writing is spared the look for what
-    // to escape.
+    // A number needs no quotes, and every row has its time: most of the text need not be searched for
+    // characters to escape.
     let mut buffer = zmij::Buffer::new();
     let mut marks = Marks::new(&columns);
     for (row, time_s) in flight.time_s.iter().enumerate() {
         put(&mut text, buffer.format(*time_s), false);
-        // Most cells are empty: their commas are written with the next one that is not.
+        // Most cells are empty: their commas are written with the next cell that is not.
         let mut written = 0;
         marks.each_sample(row, |place, column| {
             text.resize(text.len() + place + 1 - written, b',');
@@ -61,11 +61,11 @@ pub fn to_writer<W: Write>(out: W, flight: &Flight) -> io::Result<()> {
     out.flush()
 }
 
-/// Which columns have a sample in which row, found out for some rows of one column after the other: a column
-/// lies in memory as a whole, and a row is a cell here and there.
+/// Which columns have a sample in which row, found for a block of rows one column after another: a column is
+/// contiguous in memory, a row is not.
 struct Marks<'a> {
     columns: &'a [&'a Column],
-    /// Of each row of the block, bits for 64 columns, then those for the next 64, ...
+    /// For each row of the block, bits for 64 columns, then those for the next 64, ...
     bits: Vec<u64>,
 }
 
@@ -77,7 +77,8 @@ impl<'a> Marks<'a> {
         Self { columns, bits: vec![0; BLOCK * columns.len().div_ceil(64)] }
     }
 
-    /// Every column with a sample in a row, with its place. Rows are asked for in order, from the first.
+    /// Passes on every column with a sample in a row, and its index. Rows must be requested in order, from
+    /// the first.
     fn each_sample(&mut self, row: usize, mut take: impl FnMut(usize, &Column)) {
         if row.is_multiple_of(BLOCK) {
             self.bits.fill(0);
@@ -100,8 +101,8 @@ impl<'a> Marks<'a> {
     }
 }
 
-/// Appends a number without the `.0` of whole ones and, where it is large enough for an exponent, its plus
-/// sign; `nan` in lower case as the format has it.
+/// Appends a number without the `.0` of whole ones and without the plus sign of a large number's exponent;
+/// `nan` in lower case, as the format requires.
 fn put(text: &mut Vec<u8>, number: &str, is_large: bool) {
     if number == "NaN" {
         text.extend_from_slice(b"nan");
@@ -125,7 +126,7 @@ fn write_header<W: Write>(out: &mut W, flight: &Flight) -> io::Result<()> {
     for (key, value) in &header.other {
         match (key.trim(), value.trim()) {
             ("", "") => writeln!(out, "#")?,
-            // Behind a key of no letters, so that what stands before its colon is none.
+            // After an empty key, so that the text before the remark's colon does not become a key.
             ("", remark) if remark.contains(':') => writeln!(out, "# : {remark}")?,
             ("", remark) => writeln!(out, "# {remark}")?,
             (key, "") => writeln!(out, "# {key}:")?,
@@ -223,8 +224,8 @@ mod tests {
         );
     }
 
-    /// A remark with a colon (found by fuzzing: a key of no letters) is none that reads as a key when it is
-    /// written.
+    /// A remark with a colon (found by fuzzing: an empty key) does not become a key when it is written and
+    /// read again.
     #[test]
     fn a_remark_with_a_colon_stays_one() {
         let mut flight = flight();

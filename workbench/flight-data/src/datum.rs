@@ -1,8 +1,8 @@
-//! What altitudes are measured from.
+//! Altitude datums.
 
 use super::{Channel, Header};
 
-/// What an altitude is measured from.
+/// Datum of an altitude: what it is measured from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AltitudeDatum {
     /// Mean sea level.
@@ -10,11 +10,11 @@ pub enum AltitudeDatum {
     Msl,
     /// The WGS-84 ellipsoid.
     Ellipsoid,
-    /// The level of 1013.25 hPa in the standard atmosphere: a pressure altitude. Of single columns only.
+    /// The level of 1013.25 hPa in the standard atmosphere: a pressure altitude. Only for single columns.
     Pressure,
 }
 
-/// Header key of one column's own datum: this, a space and the column's name.
+/// Header key of a column's own datum: this, a space and the column's name.
 pub(super) const KEY: &str = "altitude_datum";
 
 impl AltitudeDatum {
@@ -28,13 +28,13 @@ impl AltitudeDatum {
         }
     }
 
-    /// Of that name.
+    /// The datum of that name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         [Self::Msl, Self::Ellipsoid, Self::Pressure].into_iter().find(|datum| datum.name() == name)
     }
 
-    /// In a sentence, after a column's name.
+    /// For a sentence, after a column's name.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -51,14 +51,14 @@ pub fn is_altitude(column: &str) -> bool {
     column.ends_with("alt_m") || column.ends_with("altitude_m")
 }
 
-/// The column of which a header's key says the datum.
+/// The column whose datum a header key gives.
 pub(super) fn column_of(key: &str) -> Option<&str> {
     key.trim().strip_prefix(KEY)?.strip_prefix(' ').map(str::trim)
 }
 
 impl Header {
-    /// What a column's altitudes are measured from: what its own key says, `altitude_datum COLUMN`; else a
-    /// barometric altitude is one of pressure, and any other as [`Header::altitude_datum`] says.
+    /// Datum of a column's altitudes: the value of its own key, `altitude_datum COLUMN`; else pressure for a
+    /// barometric altitude, and [`Header::altitude_datum`] for any other.
     #[must_use]
     pub fn datum_of(&self, column: &str) -> AltitudeDatum {
         let own = self.other.iter().find(|(key, _)| column_of(key) == Some(column));
@@ -67,7 +67,7 @@ impl Header {
         })
     }
 
-    /// Says what one column's altitudes are measured from.
+    /// Sets the datum of one column's altitudes.
     pub fn set_datum(&mut self, column: &str, datum: AltitudeDatum) {
         self.other.retain(|(key, _)| column_of(key) != Some(column));
         if self.datum_of(column) != datum {

@@ -6,26 +6,26 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CsvProblem {
-    /// The row of column names is no row of a CSV.
+    /// The row of column names is not a row of CSV.
     #[error("cannot be read: {0}")]
     Names(#[source] csv::Error),
-    /// There is nothing in it.
+    /// The file is empty.
     #[error("the file is empty; expected a flight (first line '# pylon-flight: 1')")]
     Empty,
-    /// The header does not say that it is a flight.
+    /// The header does not mark it as a flight.
     #[error(
         "no '# pylon-flight: 1' line at its head; expected a flight's CSV or a log that 'pylon import' knows"
     )]
     NoVersion,
-    /// A flight of another version.
+    /// A flight of another format version.
     #[error("row {row}: pylon-flight version '{found}'; this program reads version 1")]
     Version {
         /// Line in the file.
         row: u64,
-        /// What the line says.
+        /// The text of the line.
         found: String,
     },
-    /// A header line with a value that it cannot have.
+    /// A header line with an invalid value.
     #[error("row {row}: header key '{key}' is '{found}', expected {expected}")]
     HeaderValue {
         /// Line in the file.
@@ -34,10 +34,10 @@ pub enum CsvProblem {
         key: String,
         /// Its value.
         found: String,
-        /// What it can be.
+        /// Valid values.
         expected: &'static str,
     },
-    /// A header key that can be there once only.
+    /// A header key that may occur only once.
     #[error("row {row}: header key '{key}' occurs a second time, expected once")]
     HeaderTwice {
         /// Line in the file.
@@ -50,27 +50,27 @@ pub enum CsvProblem {
     NotText {
         /// Line in the file.
         row: u64,
-        /// What should be there.
+        /// What was expected.
         expected: &'static str,
     },
-    /// Header lines and nothing after them.
+    /// Header lines only.
     #[error("no row of column names after the header lines, expected time_s, gps_alt_m and another altitude")]
     NoColumns,
-    /// The cells are separated by something else.
+    /// The cells have another separator.
     #[error("row {row}: the column names are separated by {found}, expected commas")]
     Separator {
         /// Line in the file.
         row: u64,
-        /// The separator in words.
+        /// The separator, in words.
         found: &'static str,
     },
-    /// A quote among the columns' names that has no end in their row.
+    /// A quote in the column names that is not closed in their row.
     #[error("row {row}: quote never closed, expected plain names with commas between them")]
     OpenQuote {
         /// Row of the names, counted from 1.
         row: u64,
     },
-    /// A column's name that could not be written again.
+    /// A column name that could not be written again.
     #[error(
         "row {row}: the name of column {index} has a line end or a zero byte in it, expected a plain name"
     )]
@@ -109,10 +109,10 @@ pub enum CsvProblem {
         row: u64,
         /// The column's name.
         name: String,
-        /// The known column that it resembles.
+        /// The similar known column.
         known: &'static str,
     },
-    /// A known column's name in other letters.
+    /// A known column's name in a different case.
     #[error("row {row}, column {name}: expected the name in lower case, {known}")]
     LetterCase {
         /// Line in the file.
@@ -137,7 +137,7 @@ pub enum CsvProblem {
         "no altitude besides gps_alt_m: no barometer, and so nothing to calibrate; expected baro_pa, baro_alt_m, imu_slave_alt_m, imu_master_alt_m, or all three accel_ and all three gyro_ columns"
     )]
     NoSecondAltitude,
-    /// Column names and no row after them.
+    /// Column names only.
     #[error("no row after the column names, expected at least one")]
     NoRows,
     /// A row with too few cells.
@@ -147,7 +147,7 @@ pub enum CsvProblem {
         row: u64,
         /// Cells in the row.
         found: usize,
-        /// Cells that it should have.
+        /// Expected number of cells.
         expected: usize,
         /// The last column that has a cell.
         last: String,
@@ -159,10 +159,10 @@ pub enum CsvProblem {
         row: u64,
         /// Cells in the row.
         found: usize,
-        /// Cells that it should have.
+        /// Expected number of cells.
         expected: usize,
     },
-    /// A cell that does not hold what its column needs.
+    /// A cell whose content does not suit its column.
     #[error("row {row}, column {column}: '{found}', expected {expected}")]
     Cell {
         /// Line in the file.
@@ -171,7 +171,7 @@ pub enum CsvProblem {
         column: String,
         /// The cell's text, shortened.
         found: String,
-        /// What it can hold.
+        /// Valid content.
         expected: &'static str,
     },
 }
@@ -180,7 +180,7 @@ fn ask(name: &Option<String>) -> String {
     name.as_ref().map_or_else(String::new, |name| format!(" (is it '{name}'?)"))
 }
 
-/// A flight that cannot be written as CSV, since what was written could not be read again.
+/// A flight that cannot be written as CSV, because the text could not be read again.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FlightError {
@@ -194,7 +194,7 @@ pub enum FlightError {
         /// The number of rows.
         expected: usize,
     },
-    /// A time that no flight can have.
+    /// A time that a flight cannot have.
     #[error("row {index} of the flight has time {found} s, expected a finite time from 0 on")]
     Time {
         /// Position of the row, from 0.
@@ -205,11 +205,11 @@ pub enum FlightError {
     /// A name or header text that would read back as something else.
     #[error("{what} '{text}' cannot stand in a flight's header: {reason}")]
     Text {
-        /// What the text is.
+        /// What kind of text it is.
         what: &'static str,
         /// The text.
         text: String,
-        /// Why not.
+        /// The reason.
         reason: &'static str,
     },
 }

@@ -1,7 +1,7 @@
-//! A flight in memory, and as CSV text.
+//! A flight in memory and as CSV text.
 //!
-//! Knows no file, terminal or thread: text comes and goes as bytes, and who reads long ones in parts is an
-//! [`executor::Executor`].
+//! Uses no files, terminal or threads: text is passed as bytes, and an [`executor::Executor`] reads long
+//! texts in parts.
 //!
 //! # The file (`pylon-flight: 1`)
 //! UTF-8 text: header lines `# key: value`, a row of column names, then one row a time, in time order.
@@ -10,22 +10,22 @@
 //! |---|---|
 //! | `pylon-flight` | version of the format; required, `1` |
 //! | `vehicle` | the vehicle |
-//! | `source` | where the flight comes from; a simulation says so here |
+//! | `source` | origin of the flight; a simulation is marked here |
 //! | `altitude_datum` | `msl` (default) or `ellipsoid`: what the altitudes are measured from; `baro_alt_m` from 1013.25 hPa |
 //! | `altitude_datum COLUMN` | the same for one column: `msl`, `ellipsoid` or `pressure` |
 //! | any other | kept as it is; a header line without a colon is kept as a remark |
 //!
-//! The known columns and their units are [`Channel`]'s; `time_s` (seconds, f64, from 0 on) is the time
-//! axis. `time_s`, `gps_alt_m` and one other altitude are required. Columns of other names are kept as
-//! signals, unless the name is a known column's with another unit, which is an error. Axes: body
-//! forward-right-down, navigation north-east-down; accelerations are specific force.
+//! [`Channel`] lists the known columns and their units; `time_s` (seconds, f64, from 0 on) is the time axis.
+//! `time_s`, `gps_alt_m` and one other altitude are required. Columns of other names are kept as signals; a
+//! known column's name with another unit is an error. Axes: body forward-right-down, navigation
+//! north-east-down; accelerations are specific force.
 //!
 //! An empty cell means "no new sample at this time". `nan` and `inf` are samples: the estimator counts
 //! and rejects them. A time that repeats or runs backward is kept: the estimator counts and ignores it.
 //!
-//! Values are held as f32, the estimator's own precision, positions (`latitude_deg`, `longitude_deg` and
-//! names that end so) as f64, and written with the fewest digits that give the same number back: what
-//! [`to_writer`] wrote, [`parse`] and [`to_writer`] give back byte for byte.
+//! Values are held as f32, the estimator's own precision, and positions (`latitude_deg`, `longitude_deg` and
+//! names that end so) as f64. They are written with the fewest digits that give the same number back: the
+//! output of [`to_writer`], read by [`parse`] and written again, is the same byte for byte.
 
 mod channel;
 mod column;
@@ -45,10 +45,10 @@ pub use error::{CsvProblem, FlightError};
 pub use names::unit_slip;
 pub use note::Note;
 
-/// Largest time of a row, seconds (285 years): microseconds of it are still whole numbers in f64.
+/// Largest time of a row, seconds (285 years): in microseconds it is still a whole number in f64.
 pub const MAX_TIME_S: f64 = 9.0e9;
 
-/// The `# key: value` lines at a flight's head.
+/// The `# key: value` lines at the head of a flight.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Header {
     /// The vehicle.
@@ -88,7 +88,7 @@ impl Flight {
         self.channels.iter().find_map(|(name, column)| (*name == channel).then_some(column))
     }
 
-    /// Puts a channel's column in, in place of the one that was there.
+    /// Sets a channel's column, replacing an existing one.
     pub fn set_channel(&mut self, channel: Channel, column: Column) {
         match self.channels.iter_mut().find(|(name, _)| *name == channel) {
             Some((_, slot)) => *slot = column,
@@ -96,8 +96,8 @@ impl Flight {
         }
     }
 
-    /// Checks that the flight has the reference and another altitude, without which there is nothing
-    /// to calibrate.
+    /// Checks that the flight has the reference and another altitude; without them there is nothing to
+    /// calibrate.
     ///
     /// # Errors
     /// [`CsvProblem::Missing`] without `gps_alt_m`, [`CsvProblem::NoSecondAltitude`] without another

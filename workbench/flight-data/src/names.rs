@@ -1,4 +1,4 @@
-//! What the names of a flight's columns mean.
+//! Meaning of the names of a flight's columns.
 
 use std::collections::BTreeMap;
 
@@ -9,8 +9,8 @@ use super::note::Note;
 /// Name of the time axis.
 pub const TIME: &str = "time_s";
 
-/// Unit suffixes as people and logs write them. A column whose name is a known column's up to such a
-/// suffix holds that quantity in another unit.
+/// Unit suffixes as people and logs write them. A column whose name is a known column's up to such a suffix
+/// holds that quantity in another unit.
 const UNITS: &[&str] = &[
     "m",
     "meter",
@@ -90,7 +90,7 @@ const UNITS: &[&str] = &[
     "percent",
 ];
 
-/// What one column holds.
+/// Content of a column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// The time axis.
@@ -101,11 +101,11 @@ pub enum Meaning {
     Extra(String),
 }
 
-/// Meaning of every column of the row of names at line `row`, with notes on names that may be slips.
+/// Meaning of every column of the row of names at line `row`, with notes on names that may be typing errors.
 ///
 /// # Errors
-/// The first name that is empty, there twice, or a known quantity in another unit; then the first
-/// required column that is missing.
+/// The first name that is empty, repeated, or a known quantity in another unit; then the first required
+/// column that is missing.
 pub fn resolve(names: &[String], row: u64) -> Result<(Vec<Meaning>, Vec<Note>), CsvProblem> {
     let mut places = BTreeMap::new();
     for (name, number) in names.iter().zip(1..) {
@@ -124,7 +124,7 @@ pub fn resolve(names: &[String], row: u64) -> Result<(Vec<Meaning>, Vec<Note>), 
             (TIME, _) => Meaning::Time,
             (_, Some(channel)) => Meaning::Known(channel),
             (_, None) => {
-                // Beside the known column itself, one in another unit does no harm.
+                // Beside the known column, the same quantity in another unit does no harm.
                 let lower = name.to_ascii_lowercase();
                 if let Some(known) = known_names().find(|known| lower == **known && !present(known)) {
                     return Err(CsvProblem::LetterCase { row, name: name.clone(), known });
@@ -151,7 +151,7 @@ pub fn resolve(names: &[String], row: u64) -> Result<(Vec<Meaning>, Vec<Note>), 
     Ok((meanings, notes))
 }
 
-/// Whether there is a reference and another altitude, by asking which channels are there.
+/// Checks that there is a reference and another altitude; `present` reports which channels exist.
 pub fn require_altitudes(present: impl Fn(Channel) -> bool) -> Result<(), CsvProblem> {
     use Channel::{
         AccelXMps2, AccelYMps2, AccelZMps2, BaroAltM, BaroPa, GpsAltM, GyroXRadps, GyroYRadps, GyroZRadps,
@@ -174,8 +174,8 @@ fn known_names() -> impl Iterator<Item = &'static str> {
     std::iter::once(TIME).chain(Channel::ALL.iter().map(|channel| channel.name()))
 }
 
-/// The known column that a name stands for in other letters or another unit, so that a flight's file could
-/// not have it.
+/// The known column that a name stands for in another case or unit, so that it cannot be used in a flight's
+/// file.
 pub fn unit_slip(name: &str) -> Option<&'static str> {
     let lower = name.to_ascii_lowercase();
     let is_known = known_names().any(|known| known == name);
@@ -184,7 +184,7 @@ pub fn unit_slip(name: &str) -> Option<&'static str> {
         .flatten()
 }
 
-/// The known column of which `name` (in lower case) is the quantity, but for its unit or without one.
+/// The known column with the same quantity as `name` (in lower case), which has another unit or none.
 fn same_quantity(name: &str) -> Option<&'static str> {
     known_names().filter(|known| *known != Channel::GpsSats.name()).find(|known| {
         let Some((stem, _unit)) = known.rsplit_once('_') else { return false };
@@ -196,15 +196,15 @@ fn same_quantity(name: &str) -> Option<&'static str> {
     })
 }
 
-/// The known column that `name` may be a slip of.
+/// The known column that `name` may be a typing error of.
 fn nearly_known(name: &str) -> Option<&'static str> {
     known_names().find(|known| is_slip(name, known))
 }
 
-/// One letter added, left out, changed or swapped with its neighbour. Short names and names that only
-/// differ by a digit or an axis letter are too close to each other for this.
+/// One letter added, left out, changed or swapped with its neighbour. Short names, and names that only differ
+/// by a digit or an axis letter, are too similar for this.
 fn is_slip(name: &str, known: &str) -> bool {
-    // The lengths first: a table may have a million names.
+    // Lengths first: a table may have a million names.
     let is_near = name.chars().take(known.len() + 2).count().abs_diff(known.len()) <= 1;
     known.len() >= 6
         && is_near

@@ -1,13 +1,13 @@
-//! Remarks about an input that was usable, but not in every respect as it should be.
+//! Remarks about an input that was usable, but not entirely as it should be.
 
 use std::fmt;
 
-/// One line for the user: what was found in an input and what was made of it.
+/// One line for the user: what was found in an input, and how it was handled.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Note(String);
 
 impl Note {
-    /// A note of that text; line breaks become spaces, so that a note stays one line.
+    /// A note with this text; line breaks become spaces, so that a note stays one line.
     #[must_use]
     pub fn new(text: impl Into<String>) -> Self {
         Self(text.into().replace(['\n', '\r'], " "))

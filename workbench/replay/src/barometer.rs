@@ -1,25 +1,25 @@
-//! Whether what is in the barometer's column was measured by a barometer.
+//! Checks whether the barometer's column was measured by a barometer.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
 use flight_data::{Channel, Flight, Note};
 
-/// A copy differs from the receiver by rounding alone ([`rounding_m`]), and by this much of arithmetic,
-/// metres. A barometer differs by its noise, its lag and the air besides, however good the receiver is.
+/// A copy differs from the receiver by rounding alone ([`rounding_m`]), and by this much arithmetic error,
+/// metres. A barometer also differs by its noise, its lag and the air, however good the receiver is.
 const ARITHMETIC_M: f64 = 0.01;
-/// Steps that are larger than this are no column's resolution, metres.
+/// Coarsest resolution of a column, metres: larger steps are motion.
 const COARSEST_M: f64 = 1.0;
-/// Over less than this an equal barometer may be chance, metres.
+/// Least range of the receiver's altitude, metres: over less, agreement may be chance.
 const RANGE_M: f64 = 10.0;
 /// A barometer that moved by less than this while the receiver moved by [`RANGE_M`] is stuck, metres.
 const STUCK_M: f64 = 0.5;
-/// Of fewer samples nothing is said.
+/// Least number of samples for a verdict.
 const LEAST_SAMPLES: usize = 20;
 
 /// What is wrong with a barometer for the whole flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
-    /// It says one and the same while the vehicle climbs.
+    /// It repeats one value while the vehicle climbs.
     Stuck,
     /// It is the receiver's altitude, plus a constant.
     Copied {
@@ -40,7 +40,7 @@ pub fn check(flight: &Flight) -> Option<Fault> {
         .filter_map(|(row, value)| Some((f64::from(metres(value)?), f64::from(receiver.get(row)?))))
         .filter(|(own, other)| own.is_finite() && other.is_finite())
         .collect();
-    // One in fifty may be a wild cell of either.
+    // One cell in fifty of either may be wild.
     let ends = |values: &dyn Fn(&(f64, f64)) -> f64| {
         let mut sorted: Vec<f64> = pairs.iter().map(values).collect();
         sorted.sort_by(f64::total_cmp);
@@ -60,21 +60,21 @@ pub fn check(flight: &Flight) -> Option<Fault> {
         .then_some(Fault::Copied { apart_m: 0.5 * (apart.0 + apart.1) })
 }
 
-/// How far apart differences of one and the same altitude, plus a constant, can be where both are rounded to
-/// whole steps: with equal steps they are two neighbouring multiples of one.
+/// Largest spread of the differences between two copies of one altitude, apart from a constant, when each is
+/// rounded to whole steps: with equal steps the differences are two neighbouring multiples of the step.
 fn rounding_m(one_m: f64, other_m: f64) -> f64 {
     if (one_m - other_m).abs() < 1e-3 { one_m } else { one_m + other_m }
 }
 
-/// The smallest step between neighbouring values, metres: what a column is rounded to at most.
+/// The smallest step between neighbouring values, metres: an upper limit on the column's rounding.
 fn step(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let steps = values.clone().zip(values.skip(1)).map(|(one, next)| (next - one).abs());
-    // Less than this is arithmetic.
+    // Smaller steps are arithmetic error.
     steps.filter(|step| *step > 1e-3).fold(COARSEST_M, f64::min)
 }
 
 impl Fault {
-    /// What is to be said of it.
+    /// A description for the user.
     #[must_use]
     pub fn sentence(self) -> String {
         match self {
@@ -89,7 +89,7 @@ impl Fault {
     }
 }
 
-/// What is to be said of the barometer.
+/// The note on a faulty barometer, if there is one.
 #[must_use]
 pub fn note(flight: &Flight) -> Option<Note> {
     check(flight).map(|fault| Note::new(format!("{}; nothing that is said of baro holds", fault.sentence())))
@@ -120,8 +120,8 @@ mod tests {
         let wild = flight(|row, altitude_m| if row % 60 == 0 { 9_000.0 } else { altitude_m });
         assert_eq!(check(&wild), Some(Fault::Copied { apart_m: 0.0 }));
         assert_eq!(check(&flight(|_, _| 512.0)), Some(Fault::Stuck));
-        // What was rounded apart from the receiver is a copy all the same; a metre of noise is none, nor is a
-        // decimetre of it where nothing is rounded.
+        // An altitude that was rounded separately from the receiver's is still a copy. One with a metre of
+        // noise is not, nor is one with a decimetre of it where nothing is rounded.
         let noise_m = |row: usize| 1.2 * (row as f32 * 1.7).sin();
         assert_eq!(check(&flight(|row, altitude_m| (altitude_m + 0.35 + noise_m(row)).round())), None);
         let fine = |noise_m: f32| {
@@ -141,7 +141,7 @@ mod tests {
         };
         assert_eq!(check(&fine(0.0)), Some(Fault::Copied { apart_m: 47.0 }));
         assert_eq!(check(&fine(0.5)), None);
-        // One that is right but for a drift of 5 m, and one that lags by 3 s.
+        // One that is right except for a drift of 5 m, and one that lags by 3 s.
         assert_eq!(check(&flight(|row, altitude_m| altitude_m + 47.0 + row as f32 / 60.0)), None);
         assert_eq!(
             check(&flight(|row, _| 400.0 + (0.7 * (row as f32 - 3.0) * (row as f32 / 300.0)).floor())),
@@ -151,7 +151,7 @@ mod tests {
         assert!(note(&flight(|_, altitude_m| altitude_m)).unwrap().text().contains("copied"));
     }
 
-    /// A flight of so many rows by the receiver's and the barometer's altitude in each.
+    /// A flight of this many rows, by the receiver's and the barometer's altitude in each.
     fn pairs(rows: usize, receiver_m: impl Fn(usize) -> f32, baro_m: impl Fn(usize) -> f32) -> Flight {
         let mut flight = Flight { time_s: (0..rows).map(|row| row as f64).collect(), ..Flight::default() };
         let (mut receiver, mut baro) = (Column::default(), Column::default());
@@ -168,23 +168,23 @@ mod tests {
         matches!(check(flight), Some(Fault::Copied { apart_m }) if (apart_m - 47.0).abs() <= 0.51)
     }
 
-    /// A copy that was rounded differs from the receiver by up to a step of either: one step where both have
-    /// the same, the sum of both where they have not. More is a barometer.
+    /// A rounded copy differs from the receiver by up to a step of either: by one step where both have the
+    /// same, by their sum otherwise. More is a barometer.
     #[test]
     fn a_copy_differs_by_its_rounding() {
         let climb_m = |row: usize| 400.0 + 0.37 * row as f32;
         assert!(is_copy(&pairs(300, climb_m, |row| (climb_m(row) + 47.0).round())));
         assert!(is_copy(&pairs(300, |row| climb_m(row).floor(), |row| (climb_m(row) + 47.0).round())));
-        // Whole metres, of three neighbours: two steps apart.
+        // Whole metres with three different offsets: two steps apart.
         let three = |row: usize| climb_m(row).floor() + 46.0 + (row % 3) as f32;
         assert_eq!(check(&pairs(300, |row| climb_m(row).floor(), three)), None);
-        // Steps of 0.37 m and of 1 m are 1.37 m at most.
+        // With steps of 0.37 m and of 1 m the difference is at most 1.37 m.
         let apart =
             |most_m: f32| pairs(300, climb_m, move |row| (climb_m(row) + most_m * (row % 2) as f32).round());
         assert!(check(&apart(0.3)).is_some() && check(&apart(1.0)).is_none());
     }
 
-    /// Nothing is said of fewer than twenty samples, nor where the receiver moves by less than 10 m: both may
+    /// Fewer than twenty samples give no verdict, nor does a receiver that moves by less than 10 m: both may
     /// agree by chance.
     #[test]
     fn little_is_not_judged() {
@@ -198,7 +198,7 @@ mod tests {
         assert!(copied(20, 10.0));
     }
 
-    /// Cells that are no number, of either, are not compared.
+    /// Cells that are not finite, in either column, are not compared.
     #[test]
     fn cells_that_are_no_number_do_not_hide_a_copy() {
         let climb_m = |row: usize| 400.0 + 0.5 * row as f32;

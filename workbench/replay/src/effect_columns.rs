@@ -1,4 +1,4 @@
-//! Which columns an effect needs that a flight does not have.
+//! Finds the columns that an effect needs and a flight does not have.
 
 use kf_core::effect::EffectId;
 use kf_core::formula::Signal;
@@ -6,11 +6,11 @@ use model::Model;
 
 use flight_data::{Channel, Column, Flight};
 
-/// Speed over ground, which stands in for airspeed and, along the track, for forward acceleration.
+/// Speed over ground, which replaces a missing airspeed and, along the track, a missing forward acceleration.
 const SPEED_OVER_GROUND: [&str; 2] = ["gps_vn_mps", "gps_ve_mps"];
 
-/// The columns that an effect's regressor needs and the flight has no sample of; none where another
-/// signal stands in for them ([`kf_core::effect::SignalTracker`]).
+/// The columns that an effect's regressor needs and of which the flight has no sample, except those that
+/// another signal replaces ([`kf_core::effect::SignalTracker`]).
 #[must_use]
 pub fn missing_columns(flight: &Flight, effect: EffectId) -> Vec<&'static str> {
     let has = |name: &str| column(flight, name).is_some_and(|column| column.samples().next().is_some());
@@ -18,10 +18,10 @@ pub fn missing_columns(flight: &Flight, effect: EffectId) -> Vec<&'static str> {
     if has_speed && matches!(effect, EffectId::ImuTilt | EffectId::ImuGyroBias) {
         return Vec::new();
     }
-    // In a formula `tas_mps` is the measured airspeed; what has a stand-in is called `airspeed_mps`.
+    // In a formula `tas_mps` is the measured airspeed; the one that may be replaced is called `airspeed_mps`.
     let reads_airspeed =
         effect.formula().is_none_or(|parts| parts.program.signals() & Signal::TrueAirspeed.bit() == 0);
-    // A flight without a gyro says the load factor all the same, and one without a heading roll and pitch.
+    // A flight without a gyro still has a load factor, and one without a heading still has roll and pitch.
     let has_accel =
         effect.formula().is_some() && ["accel_x_mps2", "accel_y_mps2", "accel_z_mps2"].into_iter().all(has);
     let has_level = effect.formula().is_some() && ["roll_rad", "pitch_rad"].into_iter().all(has);
@@ -34,15 +34,14 @@ pub fn missing_columns(flight: &Flight, effect: EffectId) -> Vec<&'static str> {
     effect.needs().iter().copied().filter(|name| !is_there(name)).collect()
 }
 
-/// The column of that name, known to the estimator or not.
+/// The column of that name, whether the estimator has it or not.
 pub(super) fn column<'a>(flight: &'a Flight, name: &str) -> Option<&'a Column> {
     let known = Channel::from_name(name).and_then(|channel| flight.channel(channel));
     known.or_else(|| flight.extra.iter().find(|(own, _)| own == name).map(|extra| &extra.1))
 }
 
-/// What is to be said of the columns that a model's formulas read and the estimator does not know: a line
-/// each for those that the flight has not, with the nearest that it has, and for those whose unit nothing
-/// says.
+/// Notes on the columns that only the model's formulas read: one line for each that the flight does not have,
+/// with the nearest names that it has, and one for each whose unit is not stated.
 #[must_use]
 pub fn column_notes(flight: &Flight, model: &Model) -> Vec<String> {
     let mut notes = Vec::new();
@@ -83,7 +82,7 @@ mod tests {
         assert_eq!(missing_columns(&bare, EffectId::BaroLag), [""; 0]);
         assert_eq!(missing_columns(&bare, EffectId::BaroAngleOfAttack), ["aoa_rad", "tas_mps"]);
         assert_eq!(missing_columns(&bare, EffectId::ImuTilt).len(), 9);
-        // A column without a sample is none.
+        // A column without samples counts as missing.
         assert_eq!(missing_columns(&flight(",throttle", ","), EffectId::BaroPropwash), ["throttle"]);
         assert_eq!(missing_columns(&flight(",throttle", ",1"), EffectId::BaroPropwash), [""; 0]);
         let speed = flight(",gps_vn_mps,gps_ve_mps", ",3,4");
@@ -107,7 +106,7 @@ mod tests {
             .0
     }
 
-    /// The effect by that formula.
+    /// The effect with that formula.
     fn by_formula(regressor: &str) -> EffectId {
         let text = format!(
             "[[effect_definition]]\nid = \"baro.tried\"\non = \"baro\"\nregressor = \"{regressor}\"\nplausible = [-1.0, 1.0]\n"
@@ -115,9 +114,9 @@ mod tests {
         Model::parse(&text).unwrap().effect_named("baro.tried").unwrap()
     }
 
-    /// In a formula the speed over ground stands in for `airspeed_mps`, and not for the measured `tas_mps`;
-    /// an accelerometer without a gyro says the load factor, and roll and pitch need no heading. An effect of
-    /// the catalogue has no such stand-in but for the airspeed.
+    /// In a formula the speed over ground replaces `airspeed_mps`, but not the measured `tas_mps`. An
+    /// accelerometer without a gyro gives the load factor, and roll and pitch need no heading. An effect of
+    /// the catalogue has such a replacement for the airspeed only.
     #[test]
     fn a_formula_has_its_own_stand_ins() {
         let speed = flight(",gps_vn_mps,gps_ve_mps,throttle", ",3,4,1");
@@ -125,7 +124,7 @@ mod tests {
         assert_eq!(missing_columns(&speed, by_formula("tas_mps^2 / (2*g) * throttle")), ["tas_mps"]);
         let bare = flight(",throttle", ",1");
         assert_eq!(missing_columns(&bare, by_formula("airspeed_mps^2 / (2*g) * throttle")), ["tas_mps"]);
-        // The speed over ground stands in for nothing else.
+        // The speed over ground replaces nothing else.
         assert_eq!(missing_columns(&speed, by_formula("airspeed_mps^2 / (2*g) * sin(aoa_rad)")), ["aoa_rad"]);
         let accelerometer = flight(",accel_x_mps2,accel_y_mps2,accel_z_mps2", ",0,0,-9.8");
         assert_eq!(missing_columns(&accelerometer, by_formula("load_factor * 1[m]")), [""; 0]);
@@ -135,8 +134,8 @@ mod tests {
         assert!(missing_columns(&level, EffectId::ImuAccelScale).contains(&"yaw_rad"));
     }
 
-    /// A column that only a formula knows is found by its name; where the flight has it not, the nearest are
-    /// named, and where nothing says its unit, that is said.
+    /// A column that only a formula uses is found by its name. If the flight does not have it, the nearest
+    /// names are listed; if its unit is not stated, that is reported.
     #[test]
     fn columns_that_only_a_formula_knows_are_found_by_name_or_missed() {
         let text = "[[effect_definition]]\nid = \"baro.flap\"\non = \"baro\"\nregressor = \"flap * 1[m]\"\nplausible = [-1.0, 1.0]\n\

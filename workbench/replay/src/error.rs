@@ -10,18 +10,17 @@ use super::quiet::Calmest;
 use super::window::WindowError;
 use flight_data::{AltitudeDatum, CsvProblem};
 
-/// Why a flight cannot be replayed; displays as one line, without the flight's name.
+/// Why a flight cannot be replayed; displayed as one line, without the flight's name.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ReplayError {
     /// The flight lacks what every comparison needs.
     #[error(transparent)]
     Flight(#[from] CsvProblem),
-    /// What is in the barometer's column was not measured by a barometer that works, and there is no other
-    /// altitude.
+    /// The barometer's column was not measured by a working barometer, and there is no other altitude.
     #[error("{}; there is no other altitude to compare with the receiver's", .0.sentence())]
     NoBarometer(Fault),
-    /// An altitude is measured from something else than the reference's.
+    /// An altitude has another datum than the reference.
     #[error(
         "{column} is measured {} and gps_alt_m {}, which differ by the geoid's height above the ellipsoid (up to 107 m): \
          'pylon import FLIGHT --to-msl {}=GEOID_HEIGHT -o CORRECTED' converts it, with the metres by which the geoid is above the \
@@ -31,37 +30,37 @@ pub enum ReplayError {
     MixedDatums {
         /// The altitude's column.
         column: &'static str,
-        /// What it is measured from.
+        /// Its datum.
         own: AltitudeDatum,
-        /// What the reference is.
+        /// The reference's datum.
         reference: AltitudeDatum,
     },
     /// The calibration window does not fit the flight.
     #[error(transparent)]
     Window(#[from] WindowError),
-    /// The take-off and the landing that were given do not fit the flight.
+    /// The given take-off and landing do not fit the flight.
     #[error(transparent)]
     Airborne(#[from] AirborneError),
-    /// The header's latitude is none.
+    /// The header's latitude is invalid.
     #[error("latitude_deg in the header is '{0}', expected degrees from -90 to 90")]
     Latitude(String),
-    /// The flight does not say when it was launched, and is nowhere quiet.
+    /// The flight does not record its launch and has no quiet stretch.
     #[error("no launch column and no quiet stretch of {wanted_s:.0} s to calibrate on{}; give one by --calibrate START..END (seconds)", hint(.calmest.as_ref()))]
     NoQuietStretch {
-        /// How long it would have to be, seconds.
+        /// Required length, seconds.
         wanted_s: f64,
-        /// Where it comes nearest to that.
+        /// The stretch that comes nearest to it.
         calmest: Option<Calmest>,
     },
-    /// The flight does not say when it was launched, and is shorter than any calibration.
+    /// The flight does not record its launch and is shorter than any calibration.
     #[error(
         "too short to be used: {found_s:.0} s of flight, expected at least {wanted_s:.0} s, which calibrating the sensors' \
          biases takes"
     )]
     TooShort {
-        /// How long it is, seconds.
+        /// Its length, seconds.
         found_s: f64,
-        /// How long it would have to be, seconds.
+        /// Required length, seconds.
         wanted_s: f64,
     },
     /// The model is not valid.

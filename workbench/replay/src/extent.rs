@@ -1,4 +1,5 @@
-//! Which part of a log is analysed: one flight of it, from the ground before its take-off to its landing.
+//! Chooses the part of a log that is analysed: one flight, from the ground before its take-off to its
+//! landing.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,19 +10,19 @@ use super::window::WindowError;
 use crate::airborne::{self, AirborneInterval, Outings};
 use flight_data::Flight;
 
-/// Less than this is not worth a line: a block of a second or two at either end, seconds.
+/// Shortest unused part that is reported, seconds: less is a block of a second or two at either end.
 const NOT_WORTH_SAYING_S: f64 = 5.0;
 
-/// The part of a log that is analysed, and what the rest of it is.
+/// The part of a log that is analysed, and the flights that the log has.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extent {
     /// The log's first and last time, seconds.
     pub log_s: (f64, f64),
-    /// From when to when is analysed, seconds; a row at the end belongs to it.
+    /// Start and end of the analysed part, seconds; a row at the end is included.
     pub used_s: (f64, f64),
-    /// Every time in the air; empty where the flight says itself when it was launched.
+    /// Every time in the air; empty where the flight records its own launch.
     pub airborne: Vec<AirborneInterval>,
-    /// Which of them is analysed.
+    /// Index of the one that is analysed.
     pub chosen: Option<usize>,
     /// Whether the user gave its take-off and landing.
     pub is_given: bool,
@@ -31,13 +32,13 @@ pub struct Extent {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Unused {
-    /// From when, seconds.
+    /// Start, seconds.
     pub from_s: f64,
-    /// To when, seconds.
+    /// End, seconds.
     pub to_s: f64,
     /// Share of the whole log.
     pub share: f64,
-    /// Why.
+    /// Why it is not analysed.
     pub reason: String,
 }
 
@@ -57,7 +58,7 @@ impl Unused {
 }
 
 impl Extent {
-    /// All of a flight, as of one that says itself when it was launched.
+    /// All of a flight, for one that records its own launch.
     pub(super) fn all(flight: &Flight) -> Self {
         let times = || flight.time_s.iter().copied();
         let first_s = times().next().unwrap_or(0.0);
@@ -65,11 +66,11 @@ impl Extent {
         Self { log_s, used_s: log_s, airborne: Vec::new(), chosen: None, is_given: false }
     }
 
-    /// The flight whose take-off and landing the user gives; else the longest of a log, or the one that the
-    /// user's window is in.
+    /// The flight with the take-off and landing that the user gives; else the one that the user's window is
+    /// in, or the longest of the log.
     ///
     /// # Errors
-    /// A take-off and a landing that are none, or [`WindowError::AfterLanding`].
+    /// An invalid take-off and landing, or [`WindowError::AfterLanding`].
     pub(super) fn of(flight: &Flight, given: GivenTimes) -> Result<Self, ReplayError> {
         let mut extent = Self::all(flight);
         let mut found = airborne::find(flight);
@@ -82,7 +83,7 @@ impl Extent {
             {
                 return Err(WindowError::AfterLanding { window, landing_s }.into());
             }
-            // The user's window counts, wherever it is.
+            // The user's window is included, wherever it is.
             let from_s = interval.ground_from_s.unwrap_or(interval.from_s);
             let from_s = window.map_or(from_s, |window| from_s.min(window.start_s));
             extent.used_s = (from_s, interval.to_s);
@@ -122,7 +123,7 @@ impl Extent {
         Ok(extent)
     }
 
-    /// Where a flight without a landing ends: the log's end, or where the next one begins.
+    /// End of a flight without a landing: the log's end, or the gap before the next flight.
     fn end_s(&self, place: usize, interval: &AirborneInterval) -> f64 {
         if place + 1 == self.airborne.len() { self.log_s.1 } else { interval.to_s }
     }
@@ -133,7 +134,7 @@ impl Extent {
         self.chosen.and_then(|chosen| self.airborne.get(chosen)).copied()
     }
 
-    /// What is not analysed, if rows are skipped up to `start_s` (the calibration's beginning).
+    /// The unused parts, if rows are skipped up to `start_s` (the calibration's beginning).
     #[must_use]
     pub fn unused(&self, start_s: f64) -> Vec<Unused> {
         let whole_s = self.log_s.1 - self.log_s.0;
@@ -170,7 +171,7 @@ impl Extent {
         [earlier, skipped, after].into_iter().flatten().collect()
     }
 
-    /// What a user should know of a log with several flights.
+    /// A remark for the user about a log with several flights.
     #[must_use]
     pub fn several(&self) -> Option<String> {
         let chosen = self.chosen.filter(|_| self.airborne.len() > 1)?;
@@ -188,7 +189,7 @@ impl Extent {
     }
 }
 
-/// Puts the user's time in the air among those that were found, in place of what overlaps it; its place.
+/// Inserts the user's time in the air in place of those that overlap it; returns its index.
 fn put(found: &mut Outings, given: GivenAirborne, log_s: (f64, f64)) -> (usize, AirborneInterval) {
     let (from_s, to_s) = (given.take_off_s.unwrap_or(log_s.0), given.landing_s.unwrap_or(log_s.1));
     found.airborne.retain(|other| other.to_s <= from_s || other.from_s >= to_s);
@@ -209,8 +210,7 @@ fn put(found: &mut Outings, given: GivenAirborne, log_s: (f64, f64)) -> (usize, 
 mod tests {
     use super::*;
 
-    /// A log of 1,000 s with so many of three flights; of one of them all is used from 50 s before its
-    /// take-off on.
+    /// A log of 1,000 s with up to three flights; the chosen one is used from 50 s before its take-off on.
     fn log(flights: usize, chosen: usize) -> Extent {
         let airborne: Vec<_> = [(100.0, 200.0), (300.0, 600.0), (700.0, 800.0)]
             .into_iter()
@@ -286,7 +286,7 @@ mod tests {
         assert_eq!([0, 1].map(|place| log.end_s(place, &log.airborne[place])), [200.0, 1_000.0]);
     }
 
-    /// A given flight takes the place of what it overlaps, and of nothing that it only touches.
+    /// A given flight replaces those that it overlaps, and none that it only touches.
     #[test]
     fn a_given_flight_is_put_among_those_that_were_found() {
         let mut found = Outings { airborne: log(3, 0).airborne, ..Outings::default() };
@@ -297,7 +297,7 @@ mod tests {
         assert_eq!(times, [(100.0, 200.0), (200.0, 700.0), (700.0, 800.0)]);
     }
 
-    /// A moment on the ground belongs to the flight after it, one in the air to that flight; a log may end in
+    /// A moment on the ground belongs to the flight after it, one in the air to that flight. A log may end in
     /// the air.
     #[test]
     fn a_moment_belongs_to_the_next_landing() {
@@ -309,7 +309,7 @@ mod tests {
         assert_eq!([600.0, 601.0].map(|time_s| place(&found, time_s)), [Some(1), None]);
     }
 
-    /// A log of ten minutes on the ground and two flights of 300 s each, from 200 s and from 800 s on; it
+    /// A log with ten minutes on the ground and two flights of 300 s each, from 200 s and from 800 s on; it
     /// ends on the ground at 1,300 s.
     fn two_flights() -> Flight {
         let height = |second: u16| match second {
@@ -333,16 +333,16 @@ mod tests {
         Extent::of(flight, GivenTimes { calibration, airborne }).map_err(|error| error.to_string())
     }
 
-    /// The user's window chooses the flight that it is before or in; one that reaches beyond that flight's
-    /// landing is refused, and one that ends just there is not. The first flight is used from the log's
-    /// beginning, a later one from the landing before it.
+    /// The user's window chooses the flight that it is in, or that comes next. A window that reaches beyond
+    /// that flight's landing is refused; one that ends exactly there is not. The first flight is used from
+    /// the log's beginning, a later one from the landing before it.
     #[test]
     fn a_window_chooses_the_flight_and_ends_before_its_landing() {
         let flight = two_flights();
         let longest = within(&flight, None, None).unwrap();
         assert_eq!((longest.airborne.len(), longest.chosen), (2, Some(0)), "of two that are alike the first");
         let landings = [0, 1].map(|place| longest.airborne[place].landing_s.unwrap());
-        // A block of 2.5 s, and one beside it.
+        // To within a block of 2.5 s and one beside it.
         assert!((landings[0] - 500.0).abs() <= 5.0 && (landings[1] - 1_100.0).abs() <= 5.0, "{landings:?}");
         assert_eq!(longest.used_s, (0.0, landings[0]));
         let first = within(&flight, Some((50.0, landings[0])), None).unwrap();

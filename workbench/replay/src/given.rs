@@ -1,4 +1,4 @@
-//! What a user says of a flight's times, in place of what is found in the flight.
+//! Times of a flight that the user gives instead of those found in it.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,7 +9,7 @@ use super::has_launch;
 use super::window::CalibrationWindow;
 use flight_data::Flight;
 
-/// What a user says of a flight's times; what is left out is found in the flight.
+/// Times of a flight that the user gives; those left out are found in the flight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GivenTimes {
     /// Where to calibrate.
@@ -27,7 +27,7 @@ impl From<Option<CalibrationWindow>> for GivenTimes {
 /// Take-off and landing, seconds of the flight's own clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GivenAirborne {
-    /// When it took off; `None`: it was in the air already when the log began.
+    /// When it took off; `None`: it was already in the air when the log began.
     pub take_off_s: Option<f64>,
     /// When it landed; `None`: it was still in the air when the log ended.
     pub landing_s: Option<f64>,
@@ -43,19 +43,19 @@ pub enum AirborneError {
     /// It lands before it takes off.
     #[error("time in the air {0} lands before it takes off, expected FROM below TO")]
     Empty(GivenAirborne),
-    /// The log has no row in it, or it reaches beyond the log.
+    /// The log has no row in it, or it extends beyond the log.
     #[error(
         "time in the air {airborne} does not lie within the log, which goes from {first_s} s to {last_s} s"
     )]
     Outside {
-        /// What was given.
+        /// The given times.
         airborne: GivenAirborne,
         /// Time of the log's first row, seconds.
         first_s: f64,
         /// Its largest time, seconds.
         last_s: f64,
     },
-    /// The flight's own column says when it was launched.
+    /// The flight's own column records its launch.
     #[error(
         "time in the air {0}: this flight's launch column says when it was launched, and all of it is used; take-off and \
          landing are for a log without one"

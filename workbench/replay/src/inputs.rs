@@ -1,4 +1,4 @@
-//! Rows of a flight as ticks.
+//! Makes ticks from the rows of a flight.
 
 use kf_core::input::{
     BaroReading, Columns as UnknownColumns, GpsFix, ImuSample, LaunchDoubt, Signals, TickInput,
@@ -12,12 +12,12 @@ use super::pass::count_pass;
 use super::window::CalibrationWindow;
 use flight_data::{Channel, Column, Flight};
 
-/// What rows held that no tick can carry.
+/// Counts of cells that no tick can carry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputCounters {
     /// Rows with cells of a fix but without its altitude; those cells were not used.
     pub fixes_without_altitude: u32,
-    /// Satellite counts that are not a number from 0 to 255; the fix went without.
+    /// Satellite counts that are not a whole number from 0 to 255; the fix was used without one.
     pub satellites_not_a_count: u32,
     /// Rows with some of roll, pitch and yaw; those cells were not used.
     pub partial_attitudes: u32,
@@ -28,8 +28,8 @@ pub struct InputCounters {
 /// The ticks of a flight, one a row, in row order.
 ///
 /// Time is microseconds of the flight's own time axis, rounded. A fix is a row's `gps_` cells and needs
-/// `gps_alt_m`; of two barometer cells the pressure is taken; attitude and inertial samples are complete or
-/// not there, but for a flight without any gyro (body rates of zero) or any heading (zero). The launch
+/// `gps_alt_m`. Of two barometer cells the pressure is used. Attitude and inertial samples are complete or
+/// left out, except in a flight without any gyro (body rates of zero) or any heading (zero). The launch
 /// discrete and its doubt hold their last values; with a window the discrete is 0 up to the window's end and
 /// 1 from there on, without doubt.
 #[derive(Clone, Debug)]
@@ -37,15 +37,15 @@ pub struct TickInputs<'a> {
     columns: Columns<'a>,
     window: Option<CalibrationWindow>,
     row: usize,
-    /// The first row that there is no tick of any more.
+    /// The first row after the last tick.
     end: usize,
     skipped: usize,
     launch: bool,
     launch_doubt: LaunchDoubt,
     counters: InputCounters,
-    /// Columns that the estimator does not know, by their numbers in the model, where the flight has them.
+    /// The flight's columns that only formulas read, by their numbers in the model.
     unknown: Vec<(Option<&'a Column>, model::formula::Column)>,
-    /// Where the flight computer makes the UAV's inertial altitude itself.
+    /// Set where the flight computer makes the UAV's inertial altitude itself.
     inertial_altitude: Option<InertialAltitude>,
 }
 
@@ -74,12 +74,12 @@ struct Columns<'a> {
     air_temperature: Cells<'a>,
 }
 
-/// A column that may not be there.
+/// A column that may be missing.
 #[derive(Clone, Debug)]
 enum Cells<'a> {
     None,
     Own(&'a Column),
-    /// Without what a diagnosis leaves out.
+    /// A copy without the cells that a diagnosis leaves out.
     Tamed(Arc<Column>),
 }
 
@@ -98,7 +98,7 @@ impl Cells<'_> {
     }
 }
 
-/// All three cells, and whether there were some but not all.
+/// All three cells, and whether only some of them were there.
 #[inline]
 fn triple(cells: &[Cells<'_>; 3], row: usize) -> (Option<[f32; 3]>, bool) {
     match cells.each_ref().map(|cell| cell.get(row)) {
@@ -108,7 +108,7 @@ fn triple(cells: &[Cells<'_>; 3], row: usize) -> (Option<[f32; 3]>, bool) {
     }
 }
 
-/// Fewer inertial samples a second than this do not follow an aircraft's rotation, Hz.
+/// Least rate of inertial samples that follows an aircraft's rotation, Hz.
 const LEAST_INERTIAL_RATE_HZ: f64 = 50.0;
 
 impl Columns<'_> {
@@ -117,14 +117,14 @@ impl Columns<'_> {
         let samples = self.accel.iter().chain(&self.gyro).map(count).min().unwrap_or(0);
         let (first, last) = (self.time_s.first().copied(), self.time_s.last().copied());
         let duration_s = last.unwrap_or(0.0) - first.unwrap_or(0.0);
-        // One more sample than intervals, and the times of a log are rounded.
+        // There is one more sample than intervals, and the times of a log are rounded.
         count(&self.imu_slave) == 0
             && duration_s > 0.0
             && samples as f64 + 1.0 >= LEAST_INERTIAL_RATE_HZ * duration_s
     }
 }
 
-/// The doubt of a cell that the reader has checked.
+/// The doubt in a cell whose value the reader has checked.
 #[inline]
 fn doubt(value: f32) -> LaunchDoubt {
     if value == 1.0 {
@@ -136,15 +136,15 @@ fn doubt(value: f32) -> LaunchDoubt {
     }
 }
 
-/// Microseconds of a time that the reader has checked.
+/// Microseconds of a time whose value the reader has checked.
 #[inline]
 fn microseconds(time_s: f64) -> u64 {
     (time_s * 1e6).round() as u64
 }
 
 impl<'a> TickInputs<'a> {
-    /// `tamed` are columns that take the flight's own ones' place; `has_barometer`: whether what is in the
-    /// barometer's columns is to be believed.
+    /// `tamed` are columns that replace the flight's own; `has_barometer` is whether the barometer's columns
+    /// are used.
     pub(super) fn new(
         flight: &'a Flight,
         tamed: &[(Channel, Arc<Column>)],
@@ -210,8 +210,8 @@ impl<'a> TickInputs<'a> {
         }
     }
 
-    /// From now on `imu_slave` is what the strapdown channel makes of the inertial samples, if the flight has
-    /// enough of these and no altitude of that sensor.
+    /// Makes `imu_slave` the strapdown channel's altitude, if the flight has enough inertial samples and no
+    /// altitude of that sensor.
     pub(super) fn with_inertial_altitude(mut self) -> Self {
         if self.columns.makes_inertial_altitude() {
             self.inertial_altitude = Some(InertialAltitude::new(Config::MEMS));
@@ -231,13 +231,13 @@ impl<'a> TickInputs<'a> {
         &self.counters
     }
 
-    /// Rows before the window, for which there is no tick.
+    /// Number of rows before the window, for which there is no tick.
     #[must_use]
     pub const fn skipped_rows(&self) -> usize {
         self.skipped
     }
 
-    /// The row that the next tick is made of.
+    /// The row of the next tick.
     #[must_use]
     pub const fn next_row(&self) -> usize {
         self.row
@@ -265,7 +265,7 @@ impl<'a> TickInputs<'a> {
             velocity_down_mps,
             vertical_accuracy_m: accuracy,
             satellites: count,
-            // Only ever compared for equality, so a negative time may wrap.
+            // Only compared for equality, so a negative time may wrap.
             fix_time_us: time_s
                 .filter(|time| time.is_finite())
                 .map(|time| (f64::from(time) * 1e6).round() as i64 as u64),
@@ -276,8 +276,8 @@ impl<'a> TickInputs<'a> {
     fn imu(&mut self, row: usize) -> Option<ImuSample> {
         let (accel, some_accel) = triple(&self.columns.accel, row);
         let (mut gyro, some_gyro) = triple(&self.columns.gyro, row);
-        // In a flight without a gyro the accelerometer still says the load factor; attitudes are then held
-        // from one to the next.
+        // Without a gyro the accelerometer still gives the load factor; attitudes are then held from one to
+        // the next.
         if accel.is_some() && self.columns.gyro.iter().all(|cells| cells.column().is_none()) {
             gyro = Some([0.0; 3]);
         }
@@ -289,7 +289,7 @@ impl<'a> TickInputs<'a> {
         None
     }
 
-    /// Columns that the estimator does not know.
+    /// Columns that only formulas read.
     #[inline]
     fn unknown(&self, row: usize) -> UnknownColumns {
         let mut columns = UnknownColumns::default();
@@ -305,7 +305,7 @@ impl<'a> TickInputs<'a> {
     fn signals(&mut self, row: usize) -> Signals {
         let columns = &self.columns;
         let (mut attitude_rad, mut some) = triple(&columns.attitude, row);
-        // Nothing that is made of an attitude needs its heading, where the flight has none.
+        // Nothing that is derived from an attitude needs the heading of a flight that has none.
         let [roll, pitch, yaw] = &columns.attitude;
         if let (None, Some(roll), Some(pitch)) = (yaw.column(), roll.get(row), pitch.get(row)) {
             (attitude_rad, some) = (Some([roll, pitch, 0.0]), false);

@@ -1,9 +1,9 @@
-//! A flight through the estimator: the same ticks, in the same order, as the flight computer gets.
+//! Runs a flight through the estimator: the same ticks, in the same order, as the flight computer gets.
 //!
-//! Where the captive flight ends is decided here: by the flight's `launch` column, or, for flights that have
-//! none, by a window given by the user or found in the flight ([`quiet`]). With a window, rows before it are
-//! skipped, launch is said at its end, and nothing is ignored as settling. Of a flight without a `launch`
-//! column what follows its landing is left out as well, and of several flights in one log all but one
+//! This crate decides where the captive flight ends: by the flight's `launch` column or, without one, by a
+//! window that the user gives or that is found in the flight ([`quiet`]). With a window, rows before it are
+//! skipped, launch is set at its end, and nothing is ignored as settling. For a flight without a `launch`
+//! column, what follows its landing is also left out, and of several flights in one log all but one
 //! ([`Extent`]).
 
 pub mod airborne;
@@ -56,9 +56,9 @@ pub enum CalibrationSource {
     Given(CalibrationWindow),
     /// The ground before the take-off, or the flight's first quiet stretch.
     Quiet(QuietStretch),
-    /// Where the flight is least unquiet, as it is nowhere quiet.
+    /// The calmest part of a flight that has no quiet stretch.
     Calmest(Calmest),
-    /// Nothing: the whole flight is free flight, from its first row on.
+    /// None: the whole flight is free flight, from its first row on.
     Uncalibrated(CalibrationWindow),
 }
 
@@ -100,7 +100,7 @@ impl fmt::Display for CalibrationSource {
     }
 }
 
-/// A flight, a model and where the one calibrates on the other, ready to run.
+/// A flight, a model and where the flight is calibrated, ready to run.
 #[derive(Clone, Debug)]
 pub struct Replay<'a> {
     flight: &'a Flight,
@@ -108,29 +108,28 @@ pub struct Replay<'a> {
     source: CalibrationSource,
     extent: Extent,
     has_barometer: bool,
-    /// Columns that take the flight's own ones' place, and why.
+    /// Columns that replace the flight's own, because of wild cells.
     tamed: Vec<(Channel, Arc<Column>)>,
     wild: Vec<WildCells>,
 }
 
-/// What became of a flight's rows in a pass.
+/// Counts of a flight's rows in a pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputSummary {
     /// Rows before the calibration window, which the estimator never saw.
     pub skipped_rows: usize,
-    /// Rows after the landing, which it never saw either.
+    /// Rows after the landing, which the estimator never saw either.
     pub rows_after: usize,
     /// What could not be made into a tick's input.
     pub counters: InputCounters,
-    /// What was counted where the strapdown channel made the UAV's inertial altitude; `None` where it did
-    /// not.
+    /// Counts of the strapdown channel that made the UAV's inertial altitude; `None` where it did not.
     pub inertial_altitude: Option<(NavigationCounts, strapdown::Counts)>,
 }
 
-/// What a replay left behind.
+/// Result of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReplaySummary {
-    /// What became of the flight's rows.
+    /// Counts of the flight's rows.
     pub inputs: InputSummary,
     /// What the estimator counted: ignored ticks, samples that are not finite, held fixes, and so on.
     pub counters: Counters,
@@ -145,7 +144,7 @@ impl ReplaySummary {
         self.counters.out_of_order
     }
 
-    /// Samples that were not finite, or a pressure that is none.
+    /// Samples that were not finite, or an invalid pressure.
     #[must_use]
     pub fn not_finite_samples(&self) -> u32 {
         let sensors = self.counters.sensors.iter().map(|sensor| sensor.not_finite);
@@ -155,7 +154,7 @@ impl ReplaySummary {
         )
     }
 
-    /// Fixes that were the last one, held.
+    /// Fixes that were held, repeating the last one.
     #[must_use]
     pub const fn held_fixes(&self) -> u32 {
         self.counters.gps.held
@@ -163,14 +162,14 @@ impl ReplaySummary {
 }
 
 impl<'a> Replay<'a> {
-    /// Decides where the flight calibrates: on a window that is given, else up to launch by the `launch`
-    /// column, else on the ground before the take-off, the first quiet stretch of the flight or, where there
-    /// is none, the calmest.
+    /// Decides where the flight is calibrated: in a given window, else up to launch by the `launch` column,
+    /// else on the ground before the take-off, in the first quiet stretch of the flight or, without one, in
+    /// the calmest.
     ///
     /// # Errors
-    /// A flight without reference or second altitude, or with a barometer in its place that is stuck or a
-    /// copy of the receiver, altitudes of several datums, a window outside the flight or after its landing, a
-    /// take-off and a landing that are none, or no launch column and nothing to calibrate on.
+    /// A flight without reference or second altitude, or with a stuck barometer or a copy of the receiver's
+    /// altitude in its place, altitudes of several datums, a window outside the flight or after its landing,
+    /// an invalid take-off and landing, or no launch column and nothing to calibrate on.
     pub fn new(flight: &'a Flight, model: &Model, given: impl Into<GivenTimes>) -> Result<Self, ReplayError> {
         let given = given.into();
         let has_barometer = has_barometer(flight)?;
@@ -189,8 +188,8 @@ impl<'a> Replay<'a> {
         Ok(Self { flight, model, source, extent, has_barometer, tamed: Vec::new(), wild: Vec::new() })
     }
 
-    /// The same part of the flight by another model. `None` for a model that may be calibrated elsewhere,
-    /// because it judges a calibration by other limits, or that reads other columns.
+    /// The same part of the flight with another model. `None` for a model that may be calibrated elsewhere,
+    /// because its limits on calibration quality differ, or that reads other columns.
     #[must_use]
     pub fn by_model(&self, model: &Model) -> Option<Self> {
         if model.quality != self.model.quality || model.columns() != self.model.columns() {
@@ -199,7 +198,7 @@ impl<'a> Replay<'a> {
         Some(Self { model: as_flown(model, self.flight, &self.source).ok()?, ..self.clone() })
     }
 
-    /// Whether the mission's ticks of another replay are this one's, to the bit, but for an inertial altitude
+    /// Whether another replay gives a mission the same ticks, to the bit, apart from an inertial altitude
     /// that the flight computer makes.
     #[must_use]
     pub fn has_ticks_of(&self, other: &Self) -> bool {
@@ -212,12 +211,12 @@ impl<'a> Replay<'a> {
             && self.model.columns() == other.model.columns()
     }
 
-    /// A flight without captive flight: launch is at its first row. What needs no calibration, such as a
-    /// diagnosis, can work on it.
+    /// A flight without captive flight: launch is at its first row. For uses that need no calibration, such
+    /// as a diagnosis.
     ///
     /// # Errors
-    /// A flight without reference or second altitude, a header's latitude that is none, or a take-off and a
-    /// landing that are none.
+    /// A flight without reference or second altitude, an invalid latitude in the header, or an invalid
+    /// take-off and landing.
     pub fn uncalibrated(
         flight: &'a Flight,
         model: &Model,
@@ -232,11 +231,11 @@ impl<'a> Replay<'a> {
         Ok(Self { flight, model, source, extent, has_barometer, tamed: Vec::new(), wild: Vec::new() })
     }
 
-    /// As [`Self::new`], but a flight that has nothing quiet to calibrate on is taken as it is, by
+    /// As [`Self::new`], but a flight without a quiet stretch to calibrate on is used uncalibrated, by
     /// [`Self::uncalibrated`].
     ///
     /// # Errors
-    /// As those of both, but for a flight that is nowhere quiet.
+    /// As those of both, except for a flight without a quiet stretch.
     pub fn calibrated_or_not(
         flight: &'a Flight,
         model: &Model,
@@ -252,9 +251,9 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// As [`Self::calibrated_or_not`], for a diagnosis, which estimates the biases beside everything else:
-    /// all of a flight is worked on, from before its take-off to its landing, but for what lies before a
-    /// window that was given or the last minutes on the ground. What no aircraft does is left out
+    /// As [`Self::calibrated_or_not`], for a diagnosis, which estimates the biases along with everything
+    /// else. All of a flight is used, from before its take-off to its landing, except what lies before a
+    /// given window or before the last minutes on the ground. Cells that no aircraft can produce are left out
     /// ([`Self::wild`]).
     ///
     /// # Errors
@@ -266,7 +265,7 @@ impl<'a> Replay<'a> {
     ) -> Result<Self, ReplayError> {
         let given = given.into();
         let mut replay = Self::calibrated_or_not(flight, model, given)?;
-        // A stretch in the air would cost what was flown before it.
+        // Calibration in the air would lose what was flown before it.
         if let CalibrationSource::Quiet(stretch) = replay.source
             && stretch.place == Place::Flight
             && replay.extent.interval().is_some()
@@ -277,8 +276,8 @@ impl<'a> Replay<'a> {
         Ok(replay)
     }
 
-    /// What a diagnosis leaves out of single columns: cells that no aircraft makes. None where the flight is
-    /// replayed as the flight computer would have it.
+    /// The cells of single columns that a diagnosis leaves out, because no aircraft can produce them. None
+    /// where the flight is replayed as the flight computer would see it.
     #[must_use]
     pub fn wild(&self) -> &[WildCells] {
         &self.wild
@@ -296,8 +295,8 @@ impl<'a> Replay<'a> {
         self.flight
     }
 
-    /// The model as flown: without settling time where a window was given or found, and at the flight's
-    /// own latitude where its header says one.
+    /// The model as flown: without settling time where a window was given or found, and at the flight's own
+    /// latitude if its header has one.
     #[must_use]
     pub const fn model(&self) -> &Model {
         &self.model
@@ -309,20 +308,20 @@ impl<'a> Replay<'a> {
         &self.extent
     }
 
-    /// What of the log is not analysed, and why.
+    /// The parts of the log that are not analysed, and why.
     #[must_use]
     pub fn unused(&self) -> Vec<Unused> {
         self.extent.unused(self.source.window().map_or(f64::NEG_INFINITY, |window| window.start_s))
     }
 
-    /// Times of the rows that are analysed, and of those skipped before the calibration window: all but what
-    /// follows the landing.
+    /// Times of the rows that are analysed and of those skipped before the calibration window: all except
+    /// those after the landing.
     #[must_use]
     pub fn times_s(&self) -> &'a [f64] {
         self.flight.time_s.get(..self.end_row()).unwrap_or_default()
     }
 
-    /// The first row that is not analysed any more.
+    /// The first row that is no longer analysed.
     fn end_row(&self) -> usize {
         let rows = self.flight.rows();
         if self.extent.used_s.1 >= self.extent.log_s.1 {
@@ -337,21 +336,21 @@ impl<'a> Replay<'a> {
         &self.source
     }
 
-    /// The ticks as the mission gets them: [`Self::inputs`], and where the flight has accelerometer and gyro
-    /// at 50 Hz or more but no `imu_slave_alt_m`, the altitude that the flight computer makes of them.
+    /// The ticks that the mission gets: [`Self::inputs`], and, if the flight has accelerometer and gyro at
+    /// 50 Hz or more but no `imu_slave_alt_m`, the altitude that the flight computer makes from them.
     #[must_use]
     pub fn mission_inputs(&self) -> TickInputs<'a> {
         self.inputs().with_inertial_altitude()
     }
 
-    /// Whether the UAV's inertial altitude is one that the flight computer makes: what
-    /// [`Self::mission_inputs`] has and [`Self::inputs`] has not.
+    /// Whether the flight computer makes the UAV's inertial altitude: [`Self::mission_inputs`] then has it
+    /// and [`Self::inputs`] does not.
     #[must_use]
     pub fn makes_inertial_altitude(&self) -> bool {
         self.mission_inputs().inertial_altitude().is_some()
     }
 
-    /// The ticks as the sensors' own, one a row from the calibration window on.
+    /// The ticks with the sensors' own values only, one a row from the calibration window on.
     #[must_use]
     pub fn inputs(&self) -> TickInputs<'a> {
         let (window, end) = (self.source.window(), self.end_row());
@@ -380,7 +379,7 @@ impl<'a> Replay<'a> {
         })
     }
 
-    /// What became of the rows that these ticks were made of.
+    /// Counts of the rows that these ticks were made from.
     fn summary_of(&self, inputs: &TickInputs<'_>) -> InputSummary {
         InputSummary {
             skipped_rows: inputs.skipped_rows(),
@@ -393,7 +392,7 @@ impl<'a> Replay<'a> {
     }
 }
 
-/// Whether the flight says itself when it was launched.
+/// Whether the flight records its own launch.
 #[must_use]
 pub fn has_launch(flight: &Flight) -> bool {
     flight.channel(Channel::Launch).is_some_and(|launch| launch.samples().next().is_some())
@@ -427,7 +426,7 @@ fn quiet_or_calmest(
     let before = |end_s: f64, place| quiet::find_before(flight, &model.quality, (from_s, end_s), place);
     let take_off_s = extent.interval().and_then(|interval| interval.take_off_s);
     let drop_s = airborne::drop(flight).map(|drop| drop.from_s).filter(|at_s| (from_s..to_s).contains(at_s));
-    // What hangs under a carrier is calibrated there, as near to the drop as can be.
+    // A vehicle under a carrier is calibrated there, as near to the drop as possible.
     let captive = drop_s.and_then(|drop_s| {
         let aloft_s = take_off_s.filter(|take_off_s| *take_off_s < drop_s).unwrap_or(from_s);
         quiet::find_before(flight, &model.quality, (aloft_s, drop_s), Place::Captive)
@@ -444,7 +443,7 @@ fn quiet_or_calmest(
     }
 }
 
-/// The header's free key `latitude_deg`, if there is one.
+/// The header's optional key `latitude_deg`.
 fn latitude_deg(flight: &Flight) -> Result<Option<f32>, ReplayError> {
     let Some((_, text)) = flight.header.other.iter().find(|(key, _)| key == "latitude_deg") else {
         return Ok(None);
@@ -455,7 +454,7 @@ fn latitude_deg(flight: &Flight) -> Result<Option<f32>, ReplayError> {
     }
 }
 
-/// Whether there is a barometer to be believed, beside a reference and another altitude.
+/// Whether there is a usable barometer, besides a reference and another altitude.
 fn has_barometer(flight: &Flight) -> Result<bool, ReplayError> {
     flight.require_altitudes()?;
     require_one_datum(flight)?;
@@ -469,8 +468,7 @@ fn has_barometer(flight: &Flight) -> Result<bool, ReplayError> {
     }
 }
 
-/// Whether all altitudes that are compared are measured from the same. A pressure altitude is compared with
-/// any.
+/// Checks that all compared altitudes have the same datum. A pressure altitude may be compared with any.
 fn require_one_datum(flight: &Flight) -> Result<(), ReplayError> {
     let datum = |channel: Channel| flight.header.datum_of(channel.name());
     let reference = datum(Channel::GpsAltM);

@@ -71,7 +71,7 @@ pub fn mission(model: &Model) -> Result<Box<dyn AnyMission>, ReplayError> {
                     (0, $effects) => boxed::<0, { 4 + $effects }, $effects>(model),
                     (3, $effects) => boxed::<3, { 1 + $effects }, $effects>(model),
                 )*
-                // More effects than the estimator holds.
+                // More effects than the estimator supports.
                 (_, effects) => Err(model.validate().err().unwrap_or(
                     ModelError::Effects { wanted: 0, found: effects }
                 ).into()),

@@ -1,4 +1,4 @@
-//! One pass over a flight's ticks, seen by as many observers as there are questions.
+//! One pass over a flight's ticks, seen by any number of observers.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -12,7 +12,7 @@ use super::error::ReplayError;
 use super::mission::{AnyMission, mission};
 use super::{InputSummary, Replay, ReplaySummary};
 
-/// Ticks that are made before the observers see them. Enough that starting threads for them costs nothing,
+/// Number of ticks that are made before the observers see them: enough that starting threads costs little,
 /// and few enough to stay in a processor's cache.
 const CHUNK: usize = 4096;
 
@@ -20,14 +20,13 @@ const CHUNK: usize = 4096;
 static PASSES: AtomicU64 = AtomicU64::new(0);
 
 /// How many passes over flights' ticks this program has begun, by [`Replay::pass`], [`Replay::run`] or
-/// [`Replay::inputs`]. For tests that count them: making a flight's ticks again is what a command should not
-/// do.
+/// [`Replay::inputs`]. Tests use it to check that a command does not make a flight's ticks twice.
 #[must_use]
 pub fn passes_begun() -> u64 {
     PASSES.load(Ordering::Relaxed)
 }
 
-/// Counts one.
+/// Counts one pass.
 pub(super) fn count_pass() {
     PASSES.fetch_add(1, Ordering::Relaxed);
 }
@@ -38,7 +37,7 @@ pub trait Observer: Send {
     fn take(&mut self, ticks: &[TickInput]);
 }
 
-/// A model flown over a pass: its mission, and what is made of every tick's input and output.
+/// A model flown over a pass: its mission, and a function of every tick's input and output.
 pub struct Flown<F> {
     mission: Box<dyn AnyMission>,
     on_tick: F,
@@ -48,12 +47,12 @@ impl<F: FnMut(&TickInput, &TickOutput) + Send> Flown<F> {
     /// A new mission of the model.
     ///
     /// # Errors
-    /// [`ReplayError::Model`] or [`ReplayError::Config`] for a model that no mission can be made of.
+    /// [`ReplayError::Model`] or [`ReplayError::Config`] for a model that no mission can be made from.
     pub fn new(model: &Model, on_tick: F) -> Result<Self, ReplayError> {
         Ok(Self { mission: mission(model)?, on_tick })
     }
 
-    /// What is left after the pass.
+    /// The result after the pass.
     #[must_use]
     pub fn summary(&self, inputs: InputSummary) -> ReplaySummary {
         ReplaySummary { inputs, counters: *self.mission.counters(), latch: self.mission.latch().cloned() }
@@ -76,8 +75,8 @@ impl<F> std::fmt::Debug for Flown<F> {
 }
 
 impl Replay<'_> {
-    /// Shows every tick that a mission gets ([`Self::mission_inputs`]) to every observer, in one pass. The
-    /// observers work side by side where the executor has threads; the most expensive one should come first.
+    /// Shows every tick of [`Self::mission_inputs`] to every observer, in one pass. The observers run in
+    /// parallel where the executor has threads; the most expensive one should come first.
     pub fn pass(&self, observers: &mut [&mut dyn Observer], executor: &dyn Executor) -> InputSummary {
         let mut inputs = self.mission_inputs();
         let mut ticks: Vec<TickInput> = Vec::with_capacity(CHUNK);
@@ -90,7 +89,7 @@ impl Replay<'_> {
                 let ticks = &ticks;
                 jobs.push(Box::new(move || observer.take(ticks)));
             }
-            // The next ticks are made while these are looked at.
+            // The next ticks are made while the observers process these.
             jobs.push(Box::new(|| next.extend(inputs.by_ref().take(CHUNK))));
             executor::map(executor, jobs);
             std::mem::swap(&mut ticks, &mut next);
@@ -108,7 +107,7 @@ mod tests {
 
     use super::*;
 
-    /// One that does the jobs backwards.
+    /// An executor that does the jobs backwards.
     struct Backwards;
 
     impl Executor for Backwards {

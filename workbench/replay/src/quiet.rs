@@ -1,12 +1,12 @@
-//! Finding where a flight that does not say when it was launched can be calibrated: on the ground before its
-//! take-off, or in its first stretch of level flight at constant speed; never after its landing, which the
-//! caller's bounds see to.
+//! Finds where a flight that does not record its launch can be calibrated: on the ground before its take-off,
+//! or in its first stretch of level flight at constant speed. The caller's bounds keep it from being after
+//! the landing.
 //!
 //! The flight is cut into blocks of a sixth of the shortest calibration (longer where fixes are rare). A
 //! stretch is quiet while the blocks' median altitudes stay within half of the model's
 //! `quality.trimmed_altitude_m`, their median speeds (airspeed, else speed over ground) within twice its
-//! `quality.trimmed_airspeed_mps`, and their median climb rates within 0.5 m/s of zero; medians, so that
-//! single wild fixes do not matter. Every block needs fixes and samples of an altitude sensor.
+//! `quality.trimmed_airspeed_mps`, and their median climb rates within 0.5 m/s of zero. Medians are used so
+//! that single wild fixes do not matter. Every block needs fixes and samples of an altitude sensor.
 
 use std::fmt;
 
@@ -18,25 +18,25 @@ use flight_data::{Channel, Column, Flight};
 
 /// Blocks in the shortest calibration.
 const BLOCKS: usize = 6;
-/// Shortest calibration that is looked for, whatever the model demands, seconds.
+/// Shortest calibration, whatever the model demands, seconds.
 const SHORTEST_S: f32 = 12.0;
-/// Blocks are so long that a logger with few fixes has this many in each.
+/// Least number of fixes in a block, for loggers with few fixes.
 const FIXES_A_BLOCK: f64 = 2.5;
-/// Longest stretch, seconds: a parked aircraft would else be calibrated for hours.
+/// Longest stretch, seconds: otherwise a parked aircraft would be calibrated for hours.
 const LONGEST_S: f64 = 300.0;
 /// Largest median climb rate of a quiet block, m/s.
 const CLIMB_RATE_MPS: f32 = 0.5;
 
-/// The stretch that was found.
+/// A quiet stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QuietStretch {
-    /// From when to when.
+    /// Its start and end.
     pub window: CalibrationWindow,
     /// Range of its blocks' median altitudes, metres.
     pub altitude_range_m: f32,
     /// Median speed in it, m/s, if the flight has a speed.
     pub speed_mps: Option<f32>,
-    /// Where it is.
+    /// Where the vehicle was.
     pub place: Place,
 }
 
@@ -71,10 +71,10 @@ impl fmt::Display for QuietStretch {
     }
 }
 
-/// The stretch with the least change of altitude, where none is quiet.
+/// The stretch with the least change of altitude, for a flight without a quiet one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calmest {
-    /// From when to when.
+    /// Its start and end.
     pub window: CalibrationWindow,
     /// Range of its blocks' median altitudes, metres.
     pub altitude_range_m: f32,
@@ -94,14 +94,14 @@ struct Block {
 /// The first quiet stretch between two times of the flight, seconds.
 ///
 /// # Errors
-/// [`ReplayError::NoQuietStretch`] with the calmest stretch there is; [`ReplayError::TooShort`].
+/// [`ReplayError::NoQuietStretch`] with the calmest stretch, if any; [`ReplayError::TooShort`].
 pub fn find(
     flight: &Flight,
     quality: &QualityConfig,
     (origin_s, last_s): (f64, f64),
 ) -> Result<QuietStretch, ReplayError> {
     let length_s = block_s(flight, quality);
-    // Half of a short flight is left to be watched.
+    // Half of a short flight is left for monitoring.
     let longest_s = (0.5 * (last_s - origin_s)).min(LONGEST_S);
     let longest = ((longest_s / length_s) as usize).max(BLOCKS);
     let blocks = blocks(flight, (origin_s, last_s), length_s);
@@ -111,8 +111,8 @@ pub fn find(
     };
 
     let mut calmest: Option<Calmest> = None;
-    // Something should be left to be watched: a stretch in the second half counts only where there is none in
-    // the first.
+    // Part of the flight should be left for monitoring: a stretch in the second half is used only if there is
+    // none in the first.
     let is_late = |window: CalibrationWindow| window.end_s > 0.5 * (origin_s + last_s);
     let is_calmer = |calmest: Calmest, window: CalibrationWindow, range_m: f32| {
         (is_late(window), range_m) < (is_late(calmest.window), calmest.altitude_range_m)
@@ -129,7 +129,7 @@ pub fn find(
             }
         }
         let mut count = quiet_blocks(candidates, quality);
-        // The block before a manoeuvre may hold its beginning.
+        // The last block before a manoeuvre may contain its beginning.
         if count < candidates.len() {
             count = count.saturating_sub(1);
         }
@@ -157,9 +157,9 @@ pub fn find(
     })
 }
 
-/// The last quiet stretch between two times, seconds, of which the second is the take-off or the drop: a
+/// The last quiet stretch between two times, seconds, the second of which is the take-off or the drop: a
 /// receiver's altitude has settled by then, and the air has not changed yet. `None` where the vehicle was
-/// quiet for less than is needed.
+/// quiet for too short a time.
 #[must_use]
 pub fn find_before(
     flight: &Flight,
@@ -168,15 +168,15 @@ pub fn find_before(
     place: Place,
 ) -> Option<QuietStretch> {
     let length_s = block_s(flight, quality);
-    // The blocks end at the take-off.
+    // Blocks are aligned to end at the take-off.
     let count = ((take_off_s - from_s) / length_s).floor();
     let origin_s = take_off_s - count * length_s;
     let mut blocks = blocks(flight, (origin_s, take_off_s), length_s);
-    // A row at the very take-off begins one more.
+    // A row exactly at the take-off begins one more.
     blocks.retain(|block| (block.index as f64) < count);
     blocks.reverse();
     let longest = (LONGEST_S / length_s) as usize;
-    // The last blocks may hold a taxi.
+    // The last blocks may contain a taxi.
     (0..blocks.len()).find_map(|skipped| {
         let candidates = blocks.get(skipped..)?;
         let count = quiet_blocks(candidates, quality).min(longest.max(BLOCKS));
@@ -216,7 +216,7 @@ fn is_gapless(blocks: &[Block]) -> bool {
     blocks.iter().zip(blocks.iter().skip(1)).all(|(block, next)| next.index == block.index + 1)
 }
 
-/// How many blocks from the first one on are quiet together.
+/// Number of blocks, from the first one on, that are quiet together.
 fn quiet_blocks(blocks: &[Block], quality: &QualityConfig) -> usize {
     let mut altitude = Span::default();
     let mut speed = Span::default();
@@ -238,7 +238,7 @@ fn quiet_blocks(blocks: &[Block], quality: &QualityConfig) -> usize {
         .count()
 }
 
-/// Least and greatest of some values.
+/// Minimum and maximum of some values.
 #[derive(Clone, Copy, Debug, Default)]
 struct Span(Option<(f32, f32)>);
 
@@ -264,8 +264,8 @@ fn median(values: &mut [f32]) -> Option<f32> {
     Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
-/// The blocks between two times that can be judged, in time order. Rows that run backward in time are left
-/// out, as the estimator does.
+/// The blocks between two times that have fixes and sensor samples, in time order. Rows that run back in time
+/// are left out, as in the estimator.
 fn blocks(flight: &Flight, (origin_s, last_s): (f64, f64), length_s: f64) -> Vec<Block> {
     use Channel::{
         AccelZMps2, BaroAltM, BaroPa, GpsAltM, GpsVdMps, GpsVeMps, GpsVnMps, ImuMasterAltM, ImuSlaveAltM,
@@ -278,7 +278,7 @@ fn blocks(flight: &Flight, (origin_s, last_s): (f64, f64), length_s: f64) -> Vec
         [BaroPa, BaroAltM, ImuSlaveAltM, ImuMasterAltM, AccelZMps2].map(|channel| flight.channel(channel));
     let [altitude, north, east, down, airspeed] =
         [GpsAltM, GpsVnMps, GpsVeMps, GpsVdMps, TasMps].map(|channel| flight.channel(channel));
-    // An airspeed that is there but never measured does not hide the speed over ground.
+    // An airspeed column without a measured value does not hide the speed over ground.
     let airspeed = airspeed.filter(|column| column.samples().any(|(_, value)| value.is_finite()));
 
     let mut blocks = Vec::new();
@@ -332,7 +332,7 @@ impl Pending {
 mod tests {
     use super::*;
 
-    /// One row a second: altitude, and speed over ground to the north, of each.
+    /// One row a second, each with an altitude and a northward speed over ground.
     fn flight(rows: impl Iterator<Item = (f32, f32)>) -> Flight {
         let mut flight = Flight::default();
         let mut columns = [Channel::GpsAltM, Channel::GpsVnMps, Channel::GpsVeMps, Channel::BaroAltM]
@@ -386,7 +386,7 @@ mod tests {
             )
         );
         assert!(error.ends_with("give one by --calibrate START..END (seconds)"), "{error}");
-        // Without a sensor there is no calmest one either.
+        // Without a sensor there is no calmest stretch either.
         let mut blind = climb_level_dive(12);
         let rows = blind.rows();
         blind.set_channel(Channel::BaroAltM, Column::empty(rows));
@@ -466,8 +466,8 @@ mod tests {
         Some((stretch.window.start_s, stretch.window.end_s))
     }
 
-    /// The stretch before a take-off is the last one that is quiet: it ends at the take-off, lasts five
-    /// minutes at most, and begins after the time that it is looked for from.
+    /// The stretch before a take-off is the last quiet one: it ends at the take-off, lasts five minutes at
+    /// most, and begins after the given start.
     #[test]
     fn the_stretch_before_a_take_off_ends_there_and_begins_no_earlier_than_it_may() {
         let parked = flight((0..1_000).map(|_| (500.0, 0.0)));
@@ -497,7 +497,7 @@ mod tests {
         assert!(steps(10.5, 0.0).is_err() && steps(0.0, 8.5).is_err());
     }
 
-    /// Between two times the rows outside do not count, on whichever side they are.
+    /// Rows outside the two times do not count, on either side.
     #[test]
     fn rows_outside_the_two_times_do_not_count() {
         let level = |row: u16| if (60..160).contains(&row) { 500.0 } else { 900.0 - 3.0 * f32::from(row) };
@@ -522,9 +522,9 @@ mod tests {
         assert_eq!(find_default(&ends).unwrap().window, still.window);
     }
 
-    /// Where nothing is quiet, the calmest is one of the first half, however much calmer the second is;
-    /// within a half it is the one with the least change of height, and of two that are alike the first. It
-    /// has no gap in it.
+    /// If nothing is quiet, the calmest stretch is one of the first half, however much calmer the second is.
+    /// Within a half it is the one with the least change of height, and of two equal ones the first. It has
+    /// no gap.
     #[test]
     fn the_calmest_leaves_half_of_the_flight_to_be_watched() {
         let calmest = |flight: &Flight| match find(flight, &quality(), (100.0, 699.0)) {
@@ -549,7 +549,7 @@ mod tests {
         assert!((found.altitude_range_m - 25.0).abs() < 0.01, "{found:?}");
         assert_eq!(found.window, CalibrationWindow { start_s: 250.0, end_s: 280.0 });
         assert_eq!(found.speed_range_mps, 0.0);
-        // Without any fix for ten seconds in the middle of it, no six blocks of it are left together.
+        // If ten seconds in its middle have no fix, no six consecutive blocks of it are left.
         for row in 175..185 {
             flown.channels[0].1.set(row, None);
         }
@@ -557,7 +557,7 @@ mod tests {
         assert!(found.altitude_range_m > 25.1 && found.window.end_s <= 400.0, "{found:?}");
     }
 
-    /// Blocks hold two and a half fixes: of fixes 8 s apart they last 20 s, and five minutes have fifteen.
+    /// Blocks hold two and a half fixes: with fixes 8 s apart they last 20 s, and five minutes have fifteen.
     #[test]
     fn a_block_holds_two_and_a_half_fixes() {
         let mut slow = flight((0..100).map(|_| (500.0, 20.0)));
@@ -567,7 +567,7 @@ mod tests {
         assert_eq!(median(&mut [5.0, 1.0, 3.0, 2.0, 4.0]), Some(3.0));
     }
 
-    /// Blocks that follow each other have no gap between them.
+    /// Consecutive blocks have no gap between them.
     #[test]
     fn a_missing_block_is_a_gap() {
         let of = |indices: &[u64]| {

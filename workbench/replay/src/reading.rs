@@ -1,11 +1,11 @@
-//! What a sensor read at a tick.
+//! A sensor's reading at a tick.
 
 use kf_core::atmosphere::pressure_altitude_m;
 use kf_core::input::{BaroReading, TickInput};
 use kf_core::sensor::Sensor;
 
-/// What a sensor read, as an altitude, metres: a barometer's is that of the standard atmosphere. `None` where
-/// it has no new reading, or a pressure that is no altitude's.
+/// A sensor's reading as an altitude, metres; a barometer's is that of the standard atmosphere. `None` where
+/// it has no new reading, or an invalid pressure.
 #[must_use]
 pub fn reading_m(sensor: Sensor, input: &TickInput) -> Option<f32> {
     match sensor {
@@ -32,7 +32,7 @@ mod tests {
         };
         assert_eq!(Sensor::ALL.map(|sensor| reading_m(sensor, &input)), [Some(1.0), Some(2.0), Some(3.0)]);
         assert_eq!(Sensor::ALL.map(|sensor| reading_m(sensor, &TickInput::default())), [None; 3]);
-        // ICAO's table: 89,874.6 Pa at 1,000 m; 12 Pa are a metre there.
+        // From ICAO's table: 89,874.6 Pa at 1,000 m; 12 Pa correspond to a metre there.
         let at_1000_m = TickInput { baro: Some(BaroReading::PressurePa(89_874.6)), ..TickInput::default() };
         assert!((reading_m(Sensor::Baro, &at_1000_m).unwrap() - 1_000.0).abs() < 0.05);
     }

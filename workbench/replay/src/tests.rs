@@ -139,7 +139,7 @@ fn the_replay_is_the_mission_itself() {
     assert_eq!(summary.latch.unwrap().time_us, 40_000_000);
 }
 
-/// What a restart would go on from is the mission's own, whatever its shape.
+/// The state for a restart is the mission's own, whatever its shape.
 #[test]
 fn a_boxed_missions_mark_is_the_missions() {
     let flight = noisy_flight(40, 5, true);
@@ -153,7 +153,7 @@ fn a_boxed_missions_mark_is_the_missions() {
     assert_ne!(boxed.mark(), MissionMark::default(), "a mission that has flown");
 }
 
-/// Both shapes, with and without an estimated effect, see the offsets that are in the flight.
+/// Both shapes, with and without an estimated effect, find the offsets that are in the flight.
 #[test]
 fn every_shape_calibrates() {
     let flight = noisy_flight(60, 1, true);
@@ -166,8 +166,8 @@ fn every_shape_calibrates() {
                 [(Sensor::ImuMaster, 10.0), (Sensor::ImuSlave, -70.0), (Sensor::Baro, -120.0)]
             {
                 let bias_m = latch.sensors[sensor.index()].bias_m;
-                // Uniform +-1 m is 0.58 m (1 sigma). The reference's mean over 250 fixes and a wander
-                // that the models allow for leave some 0.1 to 0.2 m.
+                // Uniform +-1 m is 0.58 m (1 sigma). The reference's mean over 250 fixes and the wander that
+                // the models allow for leave some 0.1 to 0.2 m.
                 assert!((bias_m - offset_m).abs() < 0.6, "{text}: {} {bias_m}", sensor.name());
             }
         }
@@ -218,10 +218,10 @@ fn a_given_take_off_and_landing_go_before_what_is_found() {
     assert_eq!(last_us, 80_000_000, "a row at the landing belongs to the flight");
     let said = Usage::of(&replay).lines().join("; ");
     assert!(said.contains("those given") && said.contains("after the landing"), "{said}");
-    // One that is in the air when the log begins has no ground before it.
+    // A flight that is in the air when the log begins has no ground before it.
     let replay = Replay::new(&flight, &Model::default(), given(None, "..80")).unwrap();
     assert!(!matches!(replay.source(), CalibrationSource::Quiet(QuietStretch { place: Place::Ground, .. })));
-    // A diagnosis goes by it as well, and a window of the user's may lie before.
+    // A diagnosis uses it as well, and a user's window may lie before it.
     let replay = Replay::to_diagnose(&flight, &Model::default(), given(Some("5..30"), "40..80")).unwrap();
     assert_eq!(replay.inputs().map(|input| input.time_us).max(), Some(80_000_000));
     let refused = |given: GivenTimes, flight: &Flight| {
@@ -300,8 +300,8 @@ fn refuses_flights_and_models_that_can_not_be_run() {
     assert!(message(&flight, &Model::default()).starts_with("no altitude besides gps_alt_m"));
 }
 
-/// Rest at 2000 m (to a millimetre a second, or the receiver is stuck), 40 s captive and 20 s free, so many
-/// inertial samples a second and five fixes; `own` is the cell of `imu_slave_alt_m`.
+/// Rest at 2000 m (to a millimetre a second, else the receiver is stuck), 40 s captive and 20 s free, at this
+/// rate of inertial samples and five fixes a second; `own` is the cell of `imu_slave_alt_m`.
 fn inertial_flight(rate_hz: u32, own: &str) -> Flight {
     let mut text = String::from(
         "time_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,gps_time_s,baro_alt_m,imu_slave_alt_m,accel_x_mps2,accel_y_mps2,\
@@ -328,8 +328,8 @@ fn an_altitude_that_is_not_there_is_made_of_inertial_samples() {
         .mission_inputs()
         .filter_map(|input| input.imu_slave_altitude_m.map(|altitude_m| (input.time_us, altitude_m)))
         .collect();
-    // From 20 s of alignment on, every third sample (50 ms are two and a half), or the next where that is a
-    // fix's own.
+    // From 20 s of alignment on, every third sample (50 ms are two and a half), or the next one where that
+    // sample coincides with a fix.
     assert!((20_000_000..20_300_000).contains(&made[0].0), "{:?}", made[0]);
     let next_us =
         |time_us: u64| time_us + if (time_us + 60_000).is_multiple_of(200_000) { 80_000 } else { 60_000 };
@@ -337,14 +337,14 @@ fn an_altitude_that_is_not_there_is_made_of_inertial_samples() {
         assert_eq!(pair[1].0, next_us(pair[0].0), "after {} us", pair[0].0);
     }
     assert!(made.last().is_some_and(|last| next_us(last.0) >= 60_000_000));
-    // A perfect rest; half the last bit of gravity, for 20 s.
+    // A perfect rest, apart from half the last bit of gravity over 20 s.
     assert!(made.iter().all(|(_, altitude_m)| (altitude_m - 2000.0).abs() < 0.01));
     let (_, summary) = run(&replay);
     let (counts, channel) = summary.inputs.inertial_altitude.unwrap();
     assert_eq!((counts.delivered as usize, channel.refused), (made.len(), 0));
     let captive = made.iter().filter(|(time_us, _)| *time_us < 40_000_000).count();
     assert_eq!(summary.latch.unwrap().sensors[Sensor::ImuSlave.index()].readings as usize, captive);
-    // The sensors' own ticks have none of it.
+    // The ticks with the sensors' own values have no such altitude.
     assert!(replay.inputs().all(|input| input.imu_slave_altitude_m.is_none()));
 }
 
@@ -365,7 +365,7 @@ fn altitudes_of_two_datums_are_not_compared() {
         let flight = read(&format!("{head}{more}{rows}"));
         Replay::uncalibrated(&flight, &Model::default(), None).err().map(|error| error.to_string())
     };
-    // A pressure altitude is compared with any.
+    // A pressure altitude is compared with any datum.
     assert_eq!(refused(""), None);
     let said = refused("# altitude_datum imu_slave_alt_m: msl\n").unwrap();
     let words = "imu_slave_alt_m is measured above mean sea level and gps_alt_m above the ellipsoid";
@@ -376,8 +376,8 @@ fn altitudes_of_two_datums_are_not_compared() {
     assert!(typo.unwrap_err().to_string().contains("expected msl, ellipsoid or pressure"));
 }
 
-/// The doubt of a launch is what its column says, and holds until it says something else: 1 a suspicion, 2 a
-/// launch that nothing confirmed.
+/// The doubt of a launch is the value of its column, and holds until that changes: 1 a suspicion, 2 an
+/// unconfirmed launch.
 #[test]
 fn the_doubt_of_a_launch_is_its_columns() {
     let ticks = inputs(
@@ -388,8 +388,8 @@ fn the_doubt_of_a_launch_is_its_columns() {
     assert_eq!(doubts, [None, Suspected, Suspected, Unconfirmed, None]);
 }
 
-/// A fix without a count of satellites has none that is wrong; some of the accelerometer's cells alone are an
-/// incomplete sample.
+/// A fix without a satellite count does not count as a wrong one. Some of the accelerometer's cells alone are
+/// an incomplete sample.
 #[test]
 fn what_is_not_there_is_no_wrong_count_and_a_part_of_a_sample_is_incomplete() {
     let flight = read(
@@ -403,7 +403,7 @@ fn what_is_not_there_is_no_wrong_count_and_a_part_of_a_sample_is_incomplete() {
     assert_eq!(*inputs.counters(), wanted);
 }
 
-/// A column that only a formula of the model reads reaches the tick under the formula's number of it, in SI
+/// A column that only a formula of the model reads reaches the tick under the formula's number for it, in SI
 /// units.
 #[test]
 fn a_formulas_column_reaches_the_tick() {
@@ -419,8 +419,8 @@ fn a_formulas_column_reaches_the_tick() {
     assert_eq!(ticks[0].columns, wanted);
 }
 
-/// Inertial samples at 50 Hz are enough, and two that were lost of them do not matter: a log's times are
-/// rounded. No clock's zero does.
+/// Inertial samples at 50 Hz are enough, and two lost ones do not matter, because a log's times are rounded.
+/// Neither does the clock's zero.
 #[test]
 fn fifty_inertial_samples_a_second_are_enough() {
     let makes = |lost: usize, zero_s: f64| {
@@ -434,8 +434,8 @@ fn fifty_inertial_samples_a_second_are_enough() {
     assert!(!makes(4, 0.0) && !makes(60, 10_000.0));
 }
 
-/// What is analysed ends with the row at the landing; what is said of it is counted in rows and in shares of
-/// the log's time.
+/// The analysed part ends with the row at the landing; it is reported in rows and in shares of the log's
+/// time.
 #[test]
 fn rows_after_the_landing_are_counted_and_not_analysed() {
     let flight = noisy_flight(100, 0, false);
@@ -459,7 +459,7 @@ fn rows_after_the_landing_are_counted_and_not_analysed() {
     );
 }
 
-/// Another model flies the same part of the flight, unless it judges a calibration by other limits.
+/// Another model flies the same part of the flight, unless its limits on calibration quality differ.
 #[test]
 fn another_model_takes_the_same_part_of_the_flight() {
     let flight = noisy_flight(60, 10, false);
@@ -503,7 +503,7 @@ fn ticks_are_the_same_for_the_same_part_of_the_same_flight() {
     let copy = flight.clone();
     let other = Replay::new(&copy, &model, given("5..30", "40..80")).unwrap();
     assert!(!replay.has_ticks_of(&other));
-    // A wild cell that a diagnosis leaves out, and says.
+    // A wild cell that a diagnosis leaves out and reports.
     let mut wild = flight.clone();
     let baro = wild.channels.iter_mut().find(|(channel, _)| *channel == Channel::BaroAltM).unwrap();
     baro.1.set(2_000, Some(90_000.0));
@@ -516,7 +516,7 @@ fn ticks_are_the_same_for_the_same_part_of_the_same_flight() {
     assert!(plain.wild().is_empty() && !diagnosed.has_ticks_of(&plain) && !plain.has_ticks_of(&diagnosed));
 }
 
-/// A diagnosis is not calibrated on a stretch in the air, which would cost what was flown before it; one on
+/// A diagnosis is not calibrated on a stretch in the air, which would lose what was flown before it; one on
 /// the ground is kept.
 #[test]
 fn a_diagnosis_is_calibrated_on_the_ground_alone() {
@@ -528,7 +528,7 @@ fn a_diagnosis_is_calibrated_on_the_ground_alone() {
     assert!(!aloft.is_calibrated(), "{}", aloft.source());
 }
 
-/// A flight that says itself when it was launched is analysed as a whole: no take-off is looked for.
+/// A flight that records its own launch is analysed as a whole: no take-off is looked for.
 #[test]
 fn a_launched_flight_is_used_as_a_whole() {
     let up = |row: u32| if (3_000..9_000).contains(&row) { 400.0 } else { 100.0 };
@@ -551,8 +551,7 @@ fn a_launched_flight_is_used_as_a_whole() {
     assert!(replay.times_s().len() < 9_100, "it lands at 450 s");
 }
 
-/// A barometer that is stuck is left out where there is an inertial altitude beside it; alone it leaves
-/// nothing to compare.
+/// A stuck barometer is left out if there is also an inertial altitude; alone it leaves nothing to compare.
 #[test]
 fn a_stuck_barometer_is_left_out_or_refused() {
     let of = |inertial: &str| {
@@ -568,13 +567,13 @@ fn a_stuck_barometer_is_left_out_or_refused() {
     assert!(replay.inputs().all(|tick| tick.baro.is_none() && tick.imu_slave_altitude_m.is_some()));
     let refused = Replay::new(&of(""), &Model::default(), None).unwrap_err().to_string();
     assert!(refused.starts_with("the barometer is stuck"), "{refused}");
-    // Without a fault it is taken, with or without the other.
+    // Without a fault the barometer is used, with or without an inertial altitude.
     let sound = noisy_flight(20, 1, true);
     assert!(Replay::new(&sound, &Model::default(), None).unwrap().inputs().any(|tick| tick.baro.is_some()));
 }
 
-/// What a boxed mission remembers is the mission's own: its time, and a snapshot that another one goes on
-/// from.
+/// The state of a boxed mission is the mission's own: its time, and a snapshot from which another one can
+/// continue.
 #[test]
 fn a_boxed_mission_is_restored_from_its_snapshot() {
     let flight = noisy_flight(40, 5, true);
@@ -599,6 +598,6 @@ fn a_pass_is_counted_when_it_begins() {
     let before = passes_begun();
     let ticks = replay.inputs().count() as u64;
     let begun = passes_begun() - before;
-    // Tests beside this one begin some too, but not one for every tick of it.
+    // Tests that run at the same time begin some too, but not one for every tick.
     assert!(begun >= 1 && begun < ticks, "{begun}");
 }

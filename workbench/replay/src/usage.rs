@@ -1,4 +1,4 @@
-//! What of a log is analysed, in words and for other programs.
+//! Which part of a log is analysed, as text and for other programs.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 use super::extent::Unused;
 use super::{CalibrationSource, Replay, WildCells};
 
-/// What of a log is analysed.
+/// Which part of a log is analysed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Usage {
-    /// Whether the flight says itself when it was launched.
+    /// Whether the flight records its own launch.
     pub has_launch: bool,
-    /// How many flights are in the log; 0 where it says itself when it was launched, or shows none.
+    /// Number of flights in the log; 0 where the log records its own launch, or shows none.
     pub flights: usize,
-    /// Which of them is analysed, from 1.
+    /// Number of the analysed one, from 1.
     pub flight: Option<usize>,
     /// When it took off, seconds; null where that is not in the log.
     pub take_off_s: Option<f64>,
@@ -22,14 +22,14 @@ pub struct Usage {
     pub landing_s: Option<f64>,
     /// Share of the log's time that is analysed.
     pub used_share: f64,
-    /// What is not, and why.
+    /// What is not analysed, and why.
     pub unused: Vec<Unused>,
     /// What else a user should know, one line each.
     pub remarks: Vec<String>,
 }
 
 impl Usage {
-    /// Of a replay.
+    /// The usage of a replay's log.
     #[must_use]
     pub fn of(replay: &Replay<'_>) -> Self {
         let extent = replay.extent();
@@ -55,7 +55,7 @@ impl Usage {
         }
     }
 
-    /// What is to be said above a result: a line for each part that is not used, and the remarks.
+    /// The lines above a result: the remarks, and one for each part that is not used.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         self.remarks.iter().cloned().chain(self.unused.iter().map(Unused::text)).collect()
@@ -77,8 +77,8 @@ impl Usage {
     }
 }
 
-/// Seconds of the flight's own clock as hours, minutes and seconds, with the seconds that `--calibrate`
-/// takes.
+/// Seconds of the flight's own clock as hours, minutes and seconds, followed by the seconds for
+/// `--calibrate`.
 #[must_use]
 pub fn clock(at_s: f64) -> String {
     let whole = at_s.round().max(0.0) as u64;
@@ -96,7 +96,7 @@ mod tests {
         assert_eq!(clock(359_999.6), "100:00:00 (360000 s)");
     }
 
-    /// What is said of the time in the air is what of it the log has.
+    /// The time in the air is reported as far as the log shows it.
     #[test]
     fn a_time_in_the_air_is_said_as_far_as_the_log_has_it() {
         let said = |flight, take_off_s, landing_s| {

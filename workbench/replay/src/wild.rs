@@ -1,45 +1,46 @@
-//! Wild cells: values that no aircraft reaches from the ones before and leaves for the ones after.
+//! Finds wild cells: values that no aircraft can reach from those before and leave for those after.
 //!
-//! A flight computer meets them with its gates. A diagnosis estimates coefficients from every cell, so a
-//! hundred impossible airspeeds among ten thousand are an effect to it. What it leaves out is said
-//! ([`WildCells::sentence`]), and follows from physics alone:
+//! In a flight computer the gates reject them. A diagnosis estimates coefficients from every cell, so a
+//! hundred impossible airspeeds among ten thousand look like an effect. It therefore leaves cells out and
+//! reports them ([`WildCells::sentence`]), by physics alone:
 //!
-//! - A value is a *jump* from another if it is further away than the quantity's largest rate makes it in the
-//!   time between, and than [`NOISE_SIGMAS`] of the column's own noise. The rates are no aircraft's: 400 m/s
-//!   up or down, 10 g, 12 rad/s (two turns a second), 10 K/s.
-//! - Cells between two jumps, at most a hundredth of the column's, are wild. More are a level that has
-//!   shifted, which is the diagnosis's to explain.
-//! - One or two altitudes beyond both of their neighbours by more than an acceleration of 10 g and the noise
-//!   explain, and than these differ, are wild.
+//! - A value is a *jump* from another if it is further away than the quantity's largest rate allows in the
+//!   time between, and than [`NOISE_SIGMAS`] of the column's own noise. No aircraft reaches these rates:
+//!   400 m/s up or down, 10 g, 12 rad/s (two turns a second), 10 K/s.
+//! - Cells between two jumps, at most a hundredth of the column's, are wild. More are a shifted level, which
+//!   is for the diagnosis to explain.
+//! - One or two altitudes beyond both neighbours are wild, if they are further away than an acceleration of
+//!   10 g and the noise explain, and than the distances to the two neighbours differ.
 //!
-//! What has no largest rate (specific force, rates of turn, throttle, satellites) is left as it is.
+//! Quantities without a largest rate (specific force, rates of turn, throttle, satellites) are left as they
+//! are.
 
 use std::sync::Arc;
 
 use flight_data::{Channel, Column, Flight};
 use statistics::RobustSpread;
 
-/// A column's noise explains so much: of Student's t with three degrees of freedom, 4 of 10,000 values are
-/// beyond.
+/// Largest deviation that a column's noise explains: for Student's t with three degrees of freedom, 4 of
+/// 10,000 values are beyond.
 const NOISE_SIGMAS: f64 = 12.0;
-/// Most cells between two jumps that are wild, as a share of the column's, and always.
+/// Limit on wild cells between two jumps: a share of the column's cells, and a number that is always allowed.
 const MOST_SHARE: f64 = 0.01;
 const MOST_ALWAYS: usize = 3;
 /// 10 g, m/s^2.
 const ACCELERATION_MPS2: f64 = 100.0;
 
-/// How a quantity may move.
+/// Kinds of quantity, by how they may move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     /// Metres.
     Altitude,
-    /// Pascals, which are taken as metres of altitude.
+    /// Pascals, converted to metres of altitude.
     Pressure,
     /// Metres a second.
     Speed,
     /// Radians.
     Angle,
-    /// Radians that begin anew after a turn.
+    /// Radians that wrap around after a turn.
     Heading,
     /// Kelvin.
     Temperature,
@@ -60,7 +61,7 @@ impl Kind {
         })
     }
 
-    /// Largest change in a second.
+    /// Largest change a second.
     const fn rate(self) -> f64 {
         match self {
             Self::Altitude | Self::Pressure => 400.0,
@@ -70,12 +71,12 @@ impl Kind {
         }
     }
 
-    /// A cell in the unit of [`Self::rate`]; `None` for one that is no number, which the estimator refuses by
-    /// itself.
+    /// A cell in the unit of [`Self::rate`]; `None` for one that is not finite, which the estimator itself
+    /// refuses.
     fn value(self, cell: f32) -> Option<f64> {
         let cell = f64::from(cell);
         let value = match self {
-            // Metres of a standard atmosphere's lower kilometres.
+            // Metres in the lower kilometres of a standard atmosphere.
             Self::Pressure => -8_000.0 * libm::log(cell),
             _ => cell,
         };
@@ -98,9 +99,9 @@ pub struct WildCells {
     pub channel: Channel,
     /// How many there are.
     pub count: usize,
-    /// When the first of them is, seconds of the flight's own clock.
+    /// Time of the first one, seconds of the flight's own clock.
     pub first_s: f64,
-    /// What it says, in the column's unit.
+    /// Value of the first one, in the column's unit.
     pub first_value: f32,
 }
 
@@ -128,7 +129,7 @@ struct Sample {
     value: f64,
 }
 
-/// A flight's columns without their wild cells, of those that have any, and what was taken out.
+/// The columns that have wild cells, without those cells, and a list of what was taken out.
 pub(super) fn tamed(flight: &Flight) -> (Vec<(Channel, Arc<Column>)>, Vec<WildCells>) {
     let mut columns = Vec::new();
     let mut wild = Vec::new();
@@ -154,7 +155,7 @@ fn wild_rows(kind: Kind, column: &Column, time_s: &[f64]) -> Vec<usize> {
     let mut samples: Vec<Sample> = Vec::new();
     for (row, cell) in column.samples() {
         let (Some(value), Some(time_s)) = (kind.value(cell), time_s.get(row).copied()) else { continue };
-        // A time that does not increase is ignored by whoever replays the flight.
+        // A replay ignores rows whose time does not increase.
         if samples.last().is_none_or(|last| time_s > last.time_s) {
             samples.push(Sample { row, time_s, value });
         }
@@ -167,7 +168,7 @@ fn wild_rows(kind: Kind, column: &Column, time_s: &[f64]) -> Vec<usize> {
     rows
 }
 
-/// Standard deviation of a value about the mean of its neighbours, as far as outliers do not make it.
+/// Standard deviation of a value about the mean of its neighbours, robust to outliers.
 fn noise(kind: Kind, samples: &[Sample]) -> f64 {
     let mut apart = RobustSpread::default();
     for window in samples.windows(3) {
@@ -176,11 +177,11 @@ fn noise(kind: Kind, samples: &[Sample]) -> f64 {
             apart.push(0.5 * both);
         }
     }
-    // A difference from the mean of two has a variance of one and a half.
+    // The difference from the mean of two neighbours has one and a half times a value's variance.
     apart.sigma().unwrap_or(0.0) / 1.5_f64.sqrt()
 }
 
-/// Takes short segments between jumps out of the samples, and returns their rows.
+/// Removes short segments between jumps from the samples, and returns their rows.
 fn between_jumps(kind: Kind, samples: &mut Vec<Sample>, noise: f64) -> Vec<usize> {
     let is_jump = |from: &Sample, to: &Sample| {
         kind.difference(to.value, from.value).abs() > (kind.rate() * (to.time_s - from.time_s)).max(noise)
@@ -190,8 +191,8 @@ fn between_jumps(kind: Kind, samples: &mut Vec<Sample>, noise: f64) -> Vec<usize
         return Vec::new();
     }
     let most = ((MOST_SHARE * samples.len() as f64) as usize).max(MOST_ALWAYS);
-    // Whatever is the longest is right. From there both ways: a segment is right if it goes on from the last
-    // that was, or is long itself.
+    // The longest segment is taken as right. From there in both directions, a segment is right if it
+    // continues from the last right one, or is long itself.
     let longest =
         (0..segments.len()).rev().max_by_key(|k| segments.get(*k).map_or(0, |segment| segment.len()));
     let (earlier, later) = segments.split_at(longest.unwrap_or_default());
@@ -217,7 +218,7 @@ fn between_jumps(kind: Kind, samples: &mut Vec<Sample>, noise: f64) -> Vec<usize
             rows.extend(segment.iter().map(|sample| sample.row));
         }
     }
-    // A column that is nothing but jumps has no level to leave.
+    // A column that consists of jumps has no level to depart from.
     if good.len() * 2 < samples.len() {
         return Vec::new();
     }
@@ -225,14 +226,14 @@ fn between_jumps(kind: Kind, samples: &mut Vec<Sample>, noise: f64) -> Vec<usize
     rows
 }
 
-/// Rows of single altitudes, and of two in a row, that are beyond both neighbours by more than an aircraft's
-/// acceleration makes.
+/// Rows of altitudes, single or two in a row, that are further beyond both neighbours than an aircraft's
+/// acceleration allows.
 fn beyond_neighbours(samples: &[Sample], noise: f64) -> Vec<usize> {
     let is_beyond = |before: &Sample, value: &Sample, after: &Sample| {
         let (up, down) = (value.value - before.value, value.value - after.value);
         let (since_s, until_s) = (value.time_s - before.time_s, after.time_s - value.time_s);
         let limit = (0.5 * ACCELERATION_MPS2 * since_s * until_s).max(noise);
-        // By more than the two differ, or it is the corner of a level that shifts.
+        // Also by more than the two distances differ, or it is the corner of a shifting level.
         up * down > 0.0 && up.abs().min(down.abs()) > limit.max((up - down).abs())
     };
     let mut rows = Vec::new();
@@ -262,7 +263,7 @@ mod tests {
 
     const STEP_S: f64 = 0.04;
 
-    /// Noise of a heavy tail: Student's t with three degrees of freedom, by a generator of Numerical Recipes.
+    /// Heavy-tailed noise: Student's t with three degrees of freedom, from a generator of Numerical Recipes.
     fn heavy(seed: &mut u32) -> f64 {
         let mut normal = || {
             (0..12).fold(-6.0, |sum, _| {
@@ -289,8 +290,8 @@ mod tests {
         (0..cells.len()).filter(|row| column.get(*row).is_none()).collect()
     }
 
-    /// An airspeed that pulls, gusts and has a heavy tail; a dive at 10 g and a receiver's steps: all are an
-    /// aircraft's.
+    /// An airspeed that rises, gusts and has a heavy tail, a dive at 10 g, and a receiver's steps are all
+    /// possible for an aircraft.
     #[test]
     fn what_an_aircraft_does_is_left_alone() {
         let mut seed = 3;
@@ -300,7 +301,8 @@ mod tests {
                 (40.0 + 25.0 * (0.7 * time_s).sin() + 0.4 * heavy(&mut seed)) as f32
             })
             .collect();
-        // 0.4 m/s is white, and 12 sigmas of it are 4.8 m/s: of 20,000 heavy values some ten are beyond.
+        // The white part is 0.4 m/s, and 12 sigmas are 4.8 m/s: of 20,000 heavy-tailed values some ten are
+        // beyond.
         let left_out = rows(Channel::TasMps, STEP_S, &speed).len();
         assert!(left_out < 30, "{left_out}");
         let altitude =
@@ -320,7 +322,7 @@ mod tests {
         let mut seed = 5;
         let speed: Vec<f32> = (0..10_000).map(|_| (28.0 + 0.3 * heavy(&mut seed)) as f32).collect();
         let usual = rows(Channel::TasMps, STEP_S, &speed);
-        // At the beginning, alone, two of different values, a burst of a hundredth, at the end.
+        // At the beginning; alone; two of different values; a burst of a hundredth; at the end.
         let wild: Vec<usize> =
             [0, 50, 777, 2_000, 2_001].into_iter().chain(5_000..5_100).chain([9_999]).collect();
         for value in [300.0, 1_000.0, -80.0] {
@@ -333,13 +335,13 @@ mod tests {
             expected.dedup();
             assert_eq!(rows(Channel::TasMps, STEP_S, &cells), expected, "{value}");
         }
-        // Longer, it is a level that has shifted.
+        // A longer one is a shifted level.
         let mut shifted = speed;
         shifted[5_000..5_300].iter_mut().for_each(|cell| *cell += 200.0);
         assert_eq!(rows(Channel::TasMps, STEP_S, &shifted), usual);
     }
 
-    /// 150 m off for a second or two, which is no jump for something that might climb at 400 m/s; and
+    /// 150 m off for a second or two, which is no jump for a vehicle that might climb at 400 m/s; and
     /// pressures.
     #[test]
     fn altitudes_that_leave_and_come_back_at_once_are_found() {
@@ -347,8 +349,8 @@ mod tests {
         for row in [1_050, 2_010, 2_011] {
             cells[row] += 150.0;
         }
-        // 600 m back at every two-hundredth row are a saw's teeth: 400 m/s is exceeded there, and a level
-        // goes on each time.
+        // 600 m back at every two-hundredth row are a sawtooth: 400 m/s is exceeded there, and a level
+        // continues each time.
         assert_eq!(rows(Channel::GpsAltM, 1.0, &cells), [1_050, 2_010, 2_011]);
         let mut pressures: Vec<f32> = (0..3_000_u16).map(|row| 90_000.0 + f32::from(row % 7)).collect();
         pressures[1_500] = 60_000.0;
@@ -378,7 +380,7 @@ mod tests {
         assert_eq!(rows(Channel::TasMps, STEP_S, &[f32::NAN, 3.0, f32::INFINITY]), Vec::<usize>::new());
     }
 
-    /// Noise of a known size: the sum of twelve uniform numbers has a standard deviation of one, and for
+    /// Noise of a known size: the sum of twelve uniform numbers has a standard deviation of one, and with
     /// 4,000 of them the spread is known to within a few per cent.
     fn white(count: usize, sigma: f64) -> Vec<Sample> {
         let mut seed = 11_u32;
@@ -391,8 +393,8 @@ mod tests {
         (0..count).map(|row| Sample { row, time_s: row as f64, value: 50.0 + sigma * normal() }).collect()
     }
 
-    /// What is said of a column's noise is its standard deviation, whatever it is and however steeply the
-    /// column rises besides.
+    /// The estimated noise of a column is its standard deviation, whatever its size and however steeply the
+    /// column rises.
     #[test]
     fn noise_is_the_standard_deviation_of_a_value() {
         for sigma in [0.1, 1.0, 7.0] {
@@ -405,8 +407,8 @@ mod tests {
         assert_eq!(noise(Kind::Altitude, &white(2, 1.0)), 0.0);
     }
 
-    /// A jump is more than the largest rate makes in the time between and than twelve sigmas: an airspeed
-    /// with a noise of a centimetre a second that leaps by 6 m/s within 40 ms does so at 15 g.
+    /// A jump is more than the largest rate allows in the time between, and more than twelve sigmas: an
+    /// airspeed with a noise of a centimetre a second that changes by 6 m/s within 40 ms needs 15 g.
     #[test]
     fn small_leaps_of_a_quiet_column_are_jumps_too() {
         let mut cells: Vec<f32> = (0..2_000_u16).map(|row| 30.0 + 0.01 * f32::from(row % 3)).collect();
@@ -420,8 +422,8 @@ mod tests {
         assert_eq!(rows(Channel::TasMps, STEP_S, &last), [499]);
     }
 
-    /// As many cells as a hundredth of the column are wild, before the longest stretch or after it; one more
-    /// is a level.
+    /// Up to a hundredth of the column's cells are wild, before or after the longest stretch; one more is a
+    /// level.
     #[test]
     fn a_hundredth_of_a_column_is_wild_on_either_side() {
         for from in [500, 8_500] {
@@ -433,7 +435,7 @@ mod tests {
         }
     }
 
-    /// A heading that goes on past half a turn begins anew there, which is no jump, however few cells are
+    /// A heading that continues past half a turn wraps around there, which is no jump, however few cells are
     /// left after it.
     #[test]
     fn a_heading_that_passes_the_turn_does_not_jump() {
@@ -443,7 +445,7 @@ mod tests {
         assert_eq!(rows(Channel::YawRad, STEP_S, &turning), Vec::<usize>::new());
     }
 
-    /// A row whose time does not go on is no sample: it can not be wild.
+    /// A row whose time does not increase is no sample: it cannot be wild.
     #[test]
     fn a_repeated_time_is_no_jump() {
         let mut flight = flight(Channel::TasMps, STEP_S, &[20.0; 100]);
@@ -452,8 +454,8 @@ mod tests {
         assert_eq!(tamed(&flight).1, []);
     }
 
-    /// An altitude that is beyond both neighbours is wild if no 10 g make it: half of that times the one time
-    /// and the other. 2 s each make 200 m, above or below, by whatever clock; two in a row are as wild as
+    /// An altitude that is beyond both neighbours is wild if 10 g do not explain it: half of that times the
+    /// one time and the other. 2 s each give 200 m, above or below, on any clock. Two in a row are as wild as
     /// one.
     #[test]
     fn ten_g_bound_what_is_beyond_both_neighbours() {
@@ -471,7 +473,7 @@ mod tests {
             assert_eq!(found(&[0.0, 0.0, sign * 190.0, 0.0, 0.0], 2.0, 0.0), [0; 0]);
             assert_eq!(found(&[0.0, 0.0, sign * 250.0, 0.0, 0.0], 2.0, 300.0), [0; 0], "within the noise");
             assert_eq!(found(&[0.0, 0.0, sign * 900.0, sign * 850.0, 0.0, 0.0], 2.0, 0.0), [2, 3]);
-            // The corner of a level that shifts: 300 m beyond the one, 1,000 m beyond the other.
+            // The corner of a shifting level: 300 m beyond one neighbour, 1,000 m beyond the other.
             assert_eq!(found(&[0.0, 0.0, sign * 1_000.0, sign * 700.0, sign * 700.0], 2.0, 0.0), [0; 0]);
         }
         assert_eq!(found(&[0.0, 0.0, 200.0, 0.0, 0.0], 2.0, 0.0), [0; 0], "just what 10 g make");

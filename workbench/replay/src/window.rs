@@ -1,4 +1,4 @@
-//! The part of a flight that is calibrated on, where the flight itself does not say.
+//! The part of a flight used for calibration, where the flight does not record its launch.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,12 +7,12 @@ use thiserror::Error;
 
 use flight_data::Flight;
 
-/// From `start_s` to `end_s`, by the flight's own time.
+/// From `start_s` to `end_s` on the flight's own clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CalibrationWindow {
     /// First time that is used, seconds.
     pub start_s: f64,
-    /// When launch is said, seconds.
+    /// Time at which launch is set, seconds.
     pub end_s: f64,
 }
 
@@ -26,7 +26,7 @@ pub enum WindowError {
     /// It ends before it starts.
     #[error("calibration window {0} ends before it starts, expected START below END")]
     Empty(CalibrationWindow),
-    /// It reaches beyond the landing.
+    /// It extends beyond the landing.
     #[error(
         "calibration window {window} of the flight's own clock reaches beyond the landing at {landing_s:.0} s: nothing is \
          calibrated after a landing ('pylon open' shows when the flight took off and landed)"
@@ -122,7 +122,7 @@ mod tests {
         assert!(check(11.0, 19.0).is_err());
     }
 
-    /// A window that is none by itself is refused as such, before the flight is looked at.
+    /// An invalid window is refused as such, before the flight is examined.
     #[test]
     fn a_window_without_a_length_is_empty() {
         let flight = Flight { time_s: vec![5.0, 10.0, 20.0], ..Flight::default() };

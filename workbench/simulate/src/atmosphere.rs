@@ -1,7 +1,7 @@
 //! The air, in double precision: the standard atmosphere (ICAO Doc 7488, third edition, eqs 4 to 12;
 //! troposphere and lower stratosphere) and a non-standard day.
 //!
-//! Own code, not `kf_core::atmosphere`'s: an error in either is to show as a difference.
+//! It shares no code with `kf_core::atmosphere`, so that an error in either shows as a difference.
 
 /// Standard gravity, m/s^2.
 pub const GRAVITY: f64 = 9.806_65;

@@ -1,7 +1,7 @@
-//! What an injected effect adds: its regressor over a flight's truth.
+//! Computes an injected effect: its regressor over a flight's truth.
 //!
-//! The formulas of DESIGN.md's catalogue, written here on their own from the truth, not from what
-//! sensors measure, and sharing nothing with `kf_core::effect`.
+//! The formulas of DESIGN.md's catalogue, written independently: from the truth, not from what sensors
+//! measure, and sharing nothing with `kf_core::effect`.
 
 use super::atmosphere::GRAVITY;
 use super::motion::TruthSample;
@@ -14,7 +14,7 @@ const EARTH_RADIUS: f64 = 6_371_008.8;
 /// Vertical gradient of gravity in free air, 1/s^2 (2 g / R; Torge, "Geodesy", section 3.3).
 const GRAVITY_GRADIENT: f64 = 3.086e-6;
 
-/// Whose reading an effect is added to.
+/// The sensor whose reading an effect is added to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Victim {
     Baro,
@@ -48,7 +48,7 @@ pub(super) const fn victim(id: EffectId) -> Victim {
     }
 }
 
-/// Twice integrated, exactly for an input that is linear between rows.
+/// Double integral, exact for an input that is linear between rows.
 #[derive(Default)]
 struct DoubleIntegral {
     last: Option<(f64, f64)>,
@@ -101,7 +101,7 @@ pub fn regressor(effect: &Effect, flight: &[TruthSample], latitude_deg: f64) -> 
 type Evaluator<'a> = Box<dyn FnMut(&TruthSample, f64) -> f64 + 'a>;
 
 fn evaluator<'a>(effect: &Effect, reference: &'a TruthSample, latitude_deg: f64) -> Evaluator<'a> {
-    // Present for the effects that use them: the scenario was checked.
+    // Present for the effects that use them, because the scenario was checked.
     let time_constant_s = effect.time_constant_s.unwrap_or(f64::NAN);
     let width_m = effect.width_m.unwrap_or(f64::NAN);
     match effect.id {

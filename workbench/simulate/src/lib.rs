@@ -1,9 +1,9 @@
-//! The flight simulator: a scenario becomes a flight and, apart from it, the truth about it.
+//! The flight simulator: turns a scenario into a flight and, separately, the truth about it.
 //!
-//! It is the estimator's opponent, so it shares no physics with it: own atmosphere, own kinematics, own
-//! effects, all in double precision. The same scenario and seed give the same bytes on every platform
-//! (no platform's mathematics library, no hash order, own random transforms). Flights made here say so
-//! in their `source` line.
+//! It checks the estimator, so it shares no physics with it: it has its own atmosphere, kinematics and
+//! effects, all in double precision. The same scenario and seed give the same bytes on every platform (no
+//! platform's mathematics library, no hash order, own random transforms). The `source` line of a simulated
+//! flight states that it is simulated.
 
 pub mod atmosphere;
 mod effect;

@@ -1,13 +1,14 @@
 //! Random numbers that are the same on every platform and in every release.
 //!
-//! Own transforms on top of the ChaCha generator instead of `rand_distr`'s: that crate's ziggurat
-//! calls the platform's `exp` and `ln`, and its algorithm may change between releases. A flight is
-//! promised to have the same bytes for the same seed.
+//! Own transforms on top of the ChaCha generator instead of `rand_distr`'s: that crate's ziggurat calls the
+//! platform's `exp` and `ln`, and its algorithm may change between releases. A seed must always give a flight
+//! with the same bytes.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Who draws: each has its own stream, so that a change of one sensor leaves the others' noise alone.
+/// Users of random numbers: each has its own stream, so that a change of one sensor does not change the
+/// others' noise.
 #[derive(Clone, Copy, Debug)]
 #[repr(u64)]
 pub(super) enum Stream {

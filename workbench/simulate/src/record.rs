@@ -1,4 +1,4 @@
-//! From truth and sensors to a flight.
+//! Makes a flight from truth and sensors.
 
 use super::effect::{self, Victim};
 use super::motion::TruthSample;
@@ -6,7 +6,7 @@ use super::scenario::Scenario;
 use super::sensor::{self, ImuAltitude, Readings};
 use flight_data::{AltitudeDatum, Channel, Column, Flight, Header};
 
-/// What all injected effects together add to each reading, m, a row.
+/// Sum of all injected effects on each reading, m, a value for each row.
 pub(super) struct Effects {
     pub(super) baro: Vec<f64>,
     pub(super) imu_slave: Vec<f64>,
@@ -32,7 +32,7 @@ impl Effects {
     }
 }
 
-/// What every sensor of a scenario reads.
+/// The readings of every sensor of a scenario.
 pub(super) fn readings(
     scenario: &Scenario,
     trajectory: &[TruthSample],

@@ -35,7 +35,7 @@ fn one_sensors_setting_leaves_the_others_noise_alone() {
     }
     assert_ne!(cells(&one, Channel::BaroPa), cells(&two, Channel::BaroPa));
     assert!(two.channel(Channel::ImuMasterAltM).is_none());
-    // What is left of the fixes is what it was.
+    // The fixes that are left are unchanged.
     let (all, left) = (cells(&one, Channel::GpsAltM), cells(&two, Channel::GpsAltM));
     assert!(left.len() < all.len() && left.iter().all(|cell| all.contains(cell)));
 }
@@ -51,7 +51,7 @@ fn every_channel_of_the_format_is_filled_at_its_rate() {
         let expected = match channel.name() {
             // Either pressure or altitude: the simulator writes pressure.
             "baro_alt_m" => None,
-            // A flight computer's.
+            // Only a flight computer has it.
             "launch_doubt" => None,
             "launch" => Some(3000),
             name if name.starts_with("gps") => Some(75),

@@ -1,4 +1,4 @@
-//! The truth about a simulated flight, for judges only: no other command reads it.
+//! The truth about a simulated flight, used only to judge results: no other command reads it.
 
 use std::collections::BTreeMap;
 
@@ -13,8 +13,8 @@ use super::scenario::{Effect, Scenario};
 pub struct SensorTruth {
     /// The sensor's own bias, m.
     pub bias_m: f64,
-    /// What a perfect calibration against the reference finds, m: the bias and the captive mean, after
-    /// settling, of what else the sensor and the reference are systematically off by (effects, the
+    /// Result of a perfect calibration against the reference, m: the bias plus the captive mean, after
+    /// settling, of all other systematic differences between the sensor and the reference (effects, the
     /// receiver's bias and cold start, a non-standard day's pressure altitude).
     pub captive_offset_m: f64,
 }
@@ -28,7 +28,7 @@ pub struct Truth {
     pub seed: u64,
     /// Rows of the flight.
     pub rows: usize,
-    /// Time of launch, s; absent when the UAV was never launched.
+    /// Time of launch, s; missing if the UAV was never launched.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub launch_s: Option<f64>,
     /// The sensors by name.
@@ -45,7 +45,7 @@ impl Truth {
     /// The truth file's text.
     ///
     /// # Errors
-    /// When a value has no form in TOML (a seed beyond its 64-bit signed integers).
+    /// When a value cannot be written in TOML (a seed beyond its 64-bit signed integers).
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
         Ok(format!(
             "# Truth about a simulated flight. No command of pylon reads this file.\n{}",

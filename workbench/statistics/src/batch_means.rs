@@ -2,7 +2,7 @@
 
 use super::Moments;
 
-/// Batches are merged in pairs once there are this many, so memory does not grow with the sequence.
+/// Batches are merged in pairs at this number, so that memory does not grow with the sequence.
 const CAPACITY: usize = 64;
 
 /// Mean of an autocorrelated sequence with its standard error, in one pass and bounded memory.
@@ -72,7 +72,7 @@ impl BatchMeans {
         Some((batches.variance()? / self.sums.len() as f64 * share_in_batches).sqrt())
     }
 
-    /// How many independent values the mean is worth (at most their number).
+    /// Number of independent values that the mean is worth, at most their own number.
     #[must_use]
     pub fn effective_count(&self) -> Option<f64> {
         let error = self.standard_error()?;

@@ -1,4 +1,4 @@
-//! Are the innovations as large as the filter says?
+//! Consistency test: are the innovations as large as the filter predicts?
 
 use super::BatchMeans;
 use super::distributions::chi_squared_quantile;
@@ -8,32 +8,32 @@ const CONFIDENCE: f64 = 0.95;
 /// NIS (one degree of freedom) of an innovation of three sigmas.
 const THREE_SIGMA_NIS: f64 = 9.0;
 
-/// Mean normalised innovation squared against its chi-squared bounds.
+/// Compares the mean normalised innovation squared with its chi-squared bounds.
 ///
-/// Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation",
-/// section 5.4.2. That test takes innovations as independent; here the number of independent
-/// innovations comes from batch means, so that autocorrelation widens the bounds as it should.
+/// Source: Bar-Shalom, Li, Kirubarajan, "Estimation with Applications to Tracking and Navigation", section
+/// 5.4.2. That test assumes independent innovations; here their effective number comes from batch means, so
+/// that autocorrelation widens the bounds as it should.
 #[derive(Clone, Debug, Default)]
 pub struct NisSummary {
     nis: BatchMeans,
     beyond_three_sigmas: u64,
 }
 
-/// What [`NisSummary`] found.
+/// Result of [`NisSummary`].
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Consistency {
     /// Mean NIS; 1 for a consistent filter.
     pub mean: f64,
-    /// Lower 95 % bound of the mean, were the filter consistent.
+    /// Lower 95 % bound of the mean for a consistent filter.
     pub lower: f64,
     /// Upper 95 % bound.
     pub upper: f64,
     /// Share of innovations beyond three sigmas; 0.0027 for a consistent filter.
     pub beyond_three_sigmas: f64,
-    /// How many innovations there were.
+    /// Number of innovations.
     pub count: u64,
-    /// How many independent ones they are worth.
+    /// Number of independent innovations that they are worth.
     pub effective_count: f64,
 }
 

@@ -4,7 +4,7 @@ use super::Moments;
 
 /// Lags kept at each level.
 const LAGS: usize = 16;
-/// Samples that a level takes before it works them off.
+/// Values that a level collects before it processes them.
 const CHUNK: usize = 256;
 /// Longest lag reported, as a share of the sequence: beyond it, too few independent pairs are left.
 const LONGEST_LAG_SHARE: u64 = 4;
@@ -23,13 +23,13 @@ pub struct Correlator {
     levels: Vec<Level>,
 }
 
-/// One octave: the last `LAGS` values lie before those that wait to be worked off.
+/// One octave: its last `LAGS` values, followed by those not processed yet.
 #[derive(Clone, Debug)]
 struct Level {
     buffer: Vec<f64>,
-    /// How many of the buffer's leading values have been worked off already.
+    /// Number of leading values in the buffer that are already processed.
     done: usize,
-    /// Values ever worked off.
+    /// Total number of processed values.
     count: u64,
     sum: f64,
     products: [f64; LAGS],
@@ -125,12 +125,12 @@ impl Correlator {
         }
     }
 
-    /// Works off a full level and hands the means of its pairs on.
+    /// Processes a full level and passes the means of its pairs to the next.
     fn work_off(&mut self, index: usize) {
         let level = &mut self.levels[index];
         let first_new = level.done;
         level.work_off();
-        // Chunks are even and start even, so that pairs never straddle two of them.
+        // Chunks have an even length and start at an even index, so no pair is split between two.
         let means: Vec<f64> =
             level.buffer[first_new..].chunks_exact(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         level.forget_old();
@@ -196,14 +196,14 @@ impl Correlator {
 }
 
 impl Autocovariance {
-    /// How many values the sequence had.
+    /// Number of values in the sequence.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.moments.count()
     }
 
-    /// Lag 0 and then growing lags, up to a quarter of the sequence. Beyond 16 samples each is
-    /// averaged over neighbouring lags, an eighth of the lag or less to either side.
+    /// Lag 0 and then growing lags, up to a quarter of the sequence. Beyond 16 samples each is averaged over
+    /// neighbouring lags, an eighth of the lag or less in either direction.
     #[must_use]
     pub fn lags(&self) -> &[Lag] {
         &self.lags
@@ -228,11 +228,11 @@ impl Autocovariance {
         for pair in self.lags.windows(2) {
             let (from, to) = (pair[0], pair[1]);
             let width = (to.samples - from.samples) as f64;
-            // Trapezia between lags that lie apart; the first lags are summed one by one.
+            // Trapezia between distant lags; the first lags are summed one by one.
             time += if to.samples <= LAGS as u64 {
                 2.0 * to.covariance / variance
             } else {
-                // A sum over (from, to] is the trapezium's area less half its first end plus half its last.
+                // The sum over (from, to] is the trapezium's area less half its first end plus half its last.
                 (width * (from.covariance + to.covariance) + (to.covariance - from.covariance)) / variance
             };
             if to.samples as f64 >= SOKAL_WINDOW * time {
@@ -242,7 +242,7 @@ impl Autocovariance {
         time.max(1.0 / self.count() as f64)
     }
 
-    /// How many independent values the sequence is worth, at most its own number.
+    /// Number of independent values that the sequence is worth, at most its own number.
     #[must_use]
     pub fn effective_count(&self) -> f64 {
         (self.count() as f64 / self.integrated_time()).min(self.count() as f64)

@@ -1,10 +1,10 @@
-//! Distribution functions that give the same bits on every platform: by `libm` and nothing that a platform
-//! chooses.
+//! Distribution functions that give the same bits on every platform: they use `libm` and nothing that depends
+//! on the platform.
 
-/// Terms of a series or a fraction before it is given up; some ten standard deviations' worth at a million
+/// Largest number of terms of a series or fraction; enough for some ten standard deviations at a million
 /// degrees of freedom.
 const TERMS: u32 = 20_000;
-/// Halvings of an interval: more than an f64 has bits.
+/// Largest number of bisection steps: more than an f64 has bits.
 const HALVINGS: u32 = 1100;
 
 /// Probability of a standard normal value above `x`.
@@ -13,7 +13,7 @@ pub fn normal_above(x: f64) -> f64 {
     0.5 * libm::erfc(x * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The value that a standard normal one is below with a probability of `p` in (0, 1).
+/// Quantile of the standard normal distribution: a value is below it with a probability of `p` in (0, 1).
 ///
 /// Source: Abramowitz and Stegun, 26.2.23, made exact by Halley's iteration.
 #[must_use]
@@ -37,7 +37,8 @@ pub fn normal_quantile(p: f64) -> f64 {
     x
 }
 
-/// Probability that a chi-squared value of so many degrees of freedom, not necessarily whole, lies above `x`.
+/// Probability that a chi-squared value with this many degrees of freedom, not necessarily whole, lies above
+/// `x`.
 #[must_use]
 pub fn chi_squared_above(degrees: f64, x: f64) -> f64 {
     if x <= 0.0 {
@@ -46,11 +47,11 @@ pub fn chi_squared_above(degrees: f64, x: f64) -> f64 {
     gamma_tails(0.5 * degrees, 0.5 * x)[1]
 }
 
-/// The value that a chi-squared one of so many degrees of freedom is below with a probability of `p` in (0,
-/// 1).
+/// Quantile of the chi-squared distribution with this many degrees of freedom: a value is below it with a
+/// probability of `p` in (0, 1).
 #[must_use]
 pub fn chi_squared_quantile(degrees: f64, p: f64) -> f64 {
-    // The nearer tail keeps its digits.
+    // Use the nearer tail, which keeps its digits.
     let is_low = |x: f64| {
         let [below, above] = gamma_tails(0.5 * degrees, 0.5 * x);
         if p < 0.5 { below < p } else { above > 1.0 - p }
@@ -62,13 +63,13 @@ pub fn chi_squared_quantile(degrees: f64, p: f64) -> f64 {
     bisected(0.0, most, is_low)
 }
 
-/// Probability that a value of Student's distribution with so many degrees of freedom lies above `t >= 0`.
+/// Probability that a value of Student's distribution with this many degrees of freedom lies above `t >= 0`.
 #[must_use]
 pub fn student_above(degrees: f64, t: f64) -> f64 {
     0.5 * beta_below(0.5 * degrees, 0.5, degrees / (degrees + t * t))
 }
 
-/// Where a condition that holds below a value and not above it changes.
+/// Bisects for the value up to which a condition holds.
 fn bisected(mut low: f64, mut high: f64, is_low: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
         let middle = f64::midpoint(low, high);
@@ -128,7 +129,7 @@ fn beta_below(a: f64, b: f64, x: f64) -> f64 {
     if x < (a + 1.0) / (a + b + 2.0) { share(a, b, x) } else { 1.0 - share(b, a, 1.0 - x) }
 }
 
-/// A continued fraction `first + n1 / (d1 + n2 / (d2 + ...))` of the terms (n, d) from 1 on, by Lentz's
+/// A continued fraction `first + n1 / (d1 + n2 / (d2 + ...))` with the terms (n, d) from 1 on, by Lentz's
 /// method.
 fn lentz(first: f64, term: impl Fn(u32) -> (f64, f64)) -> f64 {
     let away = |value: f64| if value.abs() < f64::MIN_POSITIVE { f64::MIN_POSITIVE } else { value };
@@ -153,7 +154,7 @@ mod tests {
     // The values are mpmath's, to 40 digits: erfc(x / sqrt(2)) / 2, gammainc(d / 2, x / 2, inf,
     // regularized=True), betainc(d / 2, 1 / 2, 0, d / (d + t^2), regularized=True) / 2.
 
-    /// Whether two values are within so many roundings.
+    /// Whether two values differ by at most this many roundings.
     fn close(own: f64, exact: f64, roundings: f64) -> bool {
         (own - exact).abs() <= roundings * f64::EPSILON * exact.abs()
     }
@@ -172,7 +173,7 @@ mod tests {
             (20.0, 2.753_624_118_606_233_7e-89),
             (37.0, 5.725_571_222_524_577e-300),
         ] {
-            // The tail goes with exp(-x^2 / 2), so that one rounding of x / sqrt(2) is x^2 of it.
+            // The tail decreases as exp(-x^2 / 2), so one rounding of x / sqrt(2) becomes x^2 of it.
             assert!(close(normal_above(x), above, 4.0 + x * x), "{x}: {}", normal_above(x));
         }
         for (p, x) in [
@@ -183,8 +184,8 @@ mod tests {
             (0.025, -1.959_963_984_540_054_2),
             (0.3, -0.524_400_512_708_040_8),
         ] {
-            // What the tail is wrong by, over its slope there: about x for large ones, and p over the density
-            // for small ones.
+            // The tail's error over its slope there: about x for large ones, and p over the density for small
+            // ones.
             let square: f64 = x * x;
             let roundings = (4.0 + square) / square.min(1.0) + 8.0;
             assert!(close(normal_quantile(p), x, roundings), "{p}: {}", normal_quantile(p));
@@ -194,8 +195,8 @@ mod tests {
         }
     }
 
-    /// Roundings of `exp(a ln x - x - ln gamma(a))`: each of the three is rounded before they cancel. Around
-    /// it there are some tens of terms.
+    /// Roundings of `exp(a ln x - x - ln gamma(a))`: each of the three is rounded before they cancel. Some
+    /// tens of terms contribute near it.
     fn gamma_roundings(a: f64, x: f64) -> f64 {
         4.0 * ((a * libm::log(x)).abs() + x + libm::lgamma(a).abs()) + 100.0
     }
@@ -218,7 +219,7 @@ mod tests {
         ] {
             let x = share * degrees;
             let roundings = gamma_roundings(0.5 * degrees, 0.5 * x);
-            // Below the mean it is one less the other tail.
+            // Below the mean it is one minus the other tail.
             let scale = if share < 1.0 { (1.0 - above) / above + 1.0 } else { 1.0 };
             let own = chi_squared_above(degrees, x);
             assert!(close(own, above, roundings * scale), "{degrees} {x}: {own}");
@@ -253,7 +254,7 @@ mod tests {
             let (a, x) = (0.5 * degrees, degrees / (degrees + t * t));
             let front = libm::lgamma(a + 0.5).abs() + libm::lgamma(a).abs() + (a * libm::log(x)).abs();
             let own = student_above(degrees, t);
-            // What x is wrong by goes with its power.
+            // The error of x is multiplied by its exponent.
             assert!(close(own, above, 4.0 * front + 2.0 * a + 100.0), "{degrees} {t}: {own}");
         }
     }

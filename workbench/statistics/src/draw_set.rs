@@ -1,12 +1,12 @@
-//! Which random numbers are drawn.
+//! Selects which random numbers are drawn.
 
-/// A set of random numbers. A residual has the same answer with the same set; with another set one that
-/// differs by the draws' error.
+/// A set of random numbers. A residual gives the same answer with the same set; with another set the answer
+/// differs by the sampling error of the draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct DrawSet(pub(super) u16);
 
 impl DrawSet {
-    /// The set's own of a seed below 2^48.
+    /// The set's own version of a seed below 2^48.
     pub(super) const fn seed(self, seed: u64) -> u64 {
         seed ^ ((self.0 as u64) << 48)
     }
@@ -23,12 +23,13 @@ mod tests {
     };
 
     const SETS: u16 = 32;
-    /// Most that the deviation of as many values may be over their true one: four sigmas, of normal values.
+    /// Largest ratio of the sample deviation of this many values to the true one: four sigmas, for normal
+    /// values.
     fn most_of_a_deviation() -> f64 {
         1.0 + 4.0 / f64::sqrt(2.0 * f64::from(SETS - 1))
     }
 
-    /// Barometers of logs in `shared/flights/real`, as `pylon compare --json` has their residuals, and made
+    /// Residuals of barometers in logs of `shared/flights/real`, from `pylon compare --json`, and made-up
     /// ones.
     fn residuals() -> Vec<(&'static str, ResidualModel)> {
         let model =
@@ -50,11 +51,11 @@ mod tests {
         ]
     }
 
-    /// Medians and ninetieth percentiles of a step's delay and a ramp's, and when a healthy sensor is
-    /// doubtful, seconds; the threshold that healthy launches ask for, metres.
+    /// Medians and ninetieth percentiles of the delay of a step and of a ramp, and the time until a healthy
+    /// sensor is doubtful, seconds; the threshold that healthy launches require, metres.
     const FIGURES: [&str; 6] = ["step", "90 %", "ramp", "90 %", "doubt", "launch"];
 
-    /// What a set of draws recommends, with `compare`'s own requirements.
+    /// The rule recommended with a set of draws, for `compare`'s own requirements.
     fn recommended(model: &ResidualModel, draws: DrawSet) -> (RuleChoice, [Option<f64>; FIGURES.len()]) {
         let sigma_m = model.variance().sqrt();
         let step = Fault::Step { size_m: 5.0 * sigma_m };
@@ -69,8 +70,8 @@ mod tests {
         (choice, std::array::from_fn(|_| figures.next().unwrap()))
     }
 
-    /// The last digit of a variance, or a component that explains nothing, changes no one else's random
-    /// numbers.
+    /// The last digit of a variance, or a component that explains nothing, does not change any other part's
+    /// random numbers.
     #[test]
     fn what_is_no_change_of_a_residual_changes_no_recommendation() {
         for (name, model) in residuals() {
@@ -90,7 +91,7 @@ mod tests {
             others.push(other);
             for other in others {
                 let (other_choice, other_figures) = recommended(&other, DrawSet::default());
-                // Other draws are percents away, roundings some 1e-15.
+                // Other draws differ by per cents, roundings by some 1e-15.
                 let is_same = |one: f64, other: f64| (other / one - 1.0).abs() < 1e-9;
                 let (rule, other_rule) = (choice.rule, other_choice.rule);
                 assert!(is_same(rule.window_s, other_rule.window_s), "{name}: {rule:?} {other_rule:?}");
@@ -110,7 +111,7 @@ mod tests {
         Some(100.0 * moments.standard_deviation()? / moments.mean()?)
     }
 
-    /// By how much what is recommended depends on the draws; `docs/monitor-rules.md` has it.
+    /// How much the recommendation depends on the draws; reported in `docs/monitor-rules.md`.
     #[test]
     #[expect(
         clippy::disallowed_macros,
@@ -145,8 +146,8 @@ mod tests {
             windows_s.sort_by(f64::total_cmp);
             windows_s.dedup();
             println!("  {windows_s:.2?}");
-            // As `Resolution::FINE` says; a rate goes with exp(-z^2 / 2), so that a threshold is wrong by its
-            // error over z^2.
+            // As stated at `Resolution::FINE`. A rate goes with exp(-z^2 / 2), so the threshold's error is
+            // the rate's over z^2.
             assert!(alarms < 5.0 * most_of_a_deviation(), "{name}: {alarms}");
             let sigmas = rule.threshold_m / model.variance_of_mean(window).sqrt();
             assert!(bound < 5.0 * most_of_a_deviation() / (sigmas * sigmas), "{name}: {bound}");

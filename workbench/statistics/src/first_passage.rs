@@ -1,39 +1,39 @@
-//! How often, and how soon, a moving average of a residual passes a threshold.
+//! How often, and how soon, a moving average of a residual exceeds a threshold.
 
 use super::distributions::{normal_above, normal_quantile};
 
 use super::ResidualModel;
 use super::draw_set::DrawSet;
 
-/// How many paths are drawn, and how finely.
+/// Number of drawn paths and their step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Resolution {
-    /// Paths.
+    /// Number of paths.
     pub(super) paths: u64,
-    /// Steps to either side of an excursion at most.
+    /// Largest number of steps before and after an excursion.
     pub(super) largest_radius: u64,
     /// Steps in a window, when the window sets the step.
     pub(super) steps_per_window: u64,
 }
 
 impl Resolution {
-    /// For a figure that is printed: a rate to some 5 %.
+    /// For reported figures: a rate to some 5 %.
     pub(super) const FINE: Self = Self { paths: 128, largest_radius: 384, steps_per_window: 96 };
-    /// For a search: a rate to some 20 %, and so a threshold to 1 or 2 %.
+    /// For a search: a rate to some 20 %, hence a threshold to 1 or 2 %.
     pub(super) const COARSE: Self = Self { paths: 32, largest_radius: 192, steps_per_window: 48 };
 }
 
 /// Fewest steps in a window, when slow components set the step.
 const FEWEST_STEPS_PER_WINDOW: u64 = 8;
-/// A component with this share of the moving average's variance sets how long excursions last.
+/// Least share of the moving average's variance for a component to determine how long excursions last.
 const SIGNIFICANT_SHARE: f64 = 0.05;
 /// Expected overshoot of a Gaussian random walk over a barrier, in standard deviations of a step:
 /// -zeta(1/2) / sqrt(2 pi). Siegmund, "Sequential Analysis" (1985), eq. 10.21.
 const OVERSHOOT: f64 = 0.582_597_157_939_010_7;
-/// Seed of every draw, with the set's: the same residual gives the same answer.
+/// Seed of every draw, combined with the set's: the same residual gives the same answer.
 const SEED: u64 = 0x0070_796c_6f6e;
 
-/// Draws of a moving average around the moment at which it is beyond a threshold.
+/// Draws of a moving average around a moment at which it is beyond a threshold.
 ///
 /// The rate of excursions of a stationary process is the share of time spent beyond the threshold
 /// over the mean length of an excursion. Given that a Gaussian process is at `z` now, its path is a
@@ -82,7 +82,7 @@ impl Excursions {
         Some(Self { paths, correlation, sigma_m, step_s, barrier_shift })
     }
 
-    /// Excursions beyond `+-threshold_m` a second.
+    /// Rate of excursions beyond `+-threshold_m`, per second.
     pub(super) fn rate_per_s(&self, threshold_m: f64) -> f64 {
         let barrier = threshold_m / self.sigma_m - self.barrier_shift;
         let beyond = normal_above(barrier);
@@ -93,7 +93,7 @@ impl Excursions {
         let count = self.paths.len() as f64;
         let mut inverse_lengths = 0.0;
         for (index, path) in self.paths.iter().enumerate() {
-            // Evenly spread quantiles of the tail: less variance than independent draws.
+            // Evenly spaced quantiles of the tail have less variance than independent draws.
             let height = -normal_quantile(beyond * (index as f64 + 0.5) / count);
             let lift = height - path[centre];
             let above = path
@@ -106,7 +106,7 @@ impl Excursions {
     }
 }
 
-/// How finely a moving average is drawn.
+/// Step and length of the drawn moving average.
 #[derive(Clone, Copy, Debug)]
 struct Steps {
     samples: u64,
@@ -115,7 +115,7 @@ struct Steps {
 }
 
 impl Steps {
-    /// Fine enough for the window, long enough for an excursion.
+    /// Chosen fine enough for the window and long enough for an excursion.
     fn choose(model: &ResidualModel, window: u64, resolution: Resolution) -> Self {
         let window = window.max(1);
         let slow = model.components.iter().filter(|part| {
@@ -132,10 +132,10 @@ impl Steps {
         Self { samples, in_window: (window as f64 / samples as f64).round().max(1.0) as u64, radius }
     }
 
-    /// How much lower, in sigmas, the barrier of the coarse path must be for it to be passed as often
-    /// as the fine path passes the true one. The correlations are those a sample, a step and two
-    /// steps apart. A rough path (increments grow with the root of time) is corrected for its
-    /// overshoot; a smooth one (with time) needs nothing.
+    /// How much lower, in sigmas, the barrier of the coarse path must be for it to be passed as often as the
+    /// fine path passes the true one. The correlations are those one sample, one step and two steps apart. A
+    /// rough path (increments grow with the root of time) is corrected for its overshoot; a smooth one
+    /// (increments grow with time) needs no correction.
     fn barrier_shift(self, sample: f64, step: f64, two_steps: f64) -> f64 {
         let increment = |correlation: f64| (2.0 * (1.0 - correlation)).max(0.0).sqrt();
         if self.samples == 1 || increment(step) == 0.0 {
@@ -147,7 +147,7 @@ impl Steps {
     }
 }
 
-/// Moving average of an endless series; the first average is of a full window.
+/// Moving average of an endless series; the first average is over a full window.
 struct MovingAverage<I> {
     series: I,
     window: Vec<f64>,
@@ -176,20 +176,20 @@ impl<I: Iterator<Item = f64>> Iterator for MovingAverage<I> {
     }
 }
 
-/// When a moving average passes a threshold, drawn `count` times.
+/// Times at which a moving average first exceeds a threshold, from `count` draws.
 #[derive(Clone, Debug)]
 pub(super) struct Passages {
-    /// Times of the draws that passed, seconds, in ascending order.
+    /// Times of the draws that exceeded it, seconds, in ascending order.
     pub(super) times_s: Vec<f64>,
-    /// How many draws there were.
+    /// Number of draws.
     pub(super) draws: usize,
 }
 
 impl Passages {
-    /// Draws healthy residuals, adds `signal` (metres, the fault's own moving average, by seconds
-    /// since it began) and notes when `|average| > threshold_m` for the first time.
+    /// Draws healthy residuals, adds `signal` (metres, the fault's own moving average, by seconds since it
+    /// began) and records when `|average| > threshold_m` for the first time.
     ///
-    /// Draws in which the healthy residual is beyond the threshold when the fault begins are left out.
+    /// Draws whose healthy residual is already beyond the threshold when the fault begins are left out.
     pub(super) fn draw(
         model: &ResidualModel,
         window: u64,
@@ -221,7 +221,7 @@ impl Passages {
         Self { times_s, draws: drawn }
     }
 
-    /// The time by which that share of the draws had passed; `None` if fewer ever did.
+    /// The time by which this share of the draws had exceeded the threshold; `None` if fewer ever did.
     pub(super) fn quantile_s(&self, share: f64) -> Option<f64> {
         let rank = (share * self.draws as f64).ceil() as usize;
         self.times_s.get(rank.max(1) - 1).copied()
@@ -247,8 +247,8 @@ mod tests {
         }
     }
 
-    /// Mean time between excursions by watching: one begins when the average is beyond the threshold
-    /// after `apart` samples that were not.
+    /// Rate of excursions by direct counting: one begins when the average is beyond the threshold after
+    /// `apart` samples that were not.
     fn watched_rate_per_s(
         model: &ResidualModel,
         window: u64,
@@ -284,8 +284,8 @@ mod tests {
                     .unwrap()
                     .rate_per_s(threshold_m);
                 let (watched, error) = watched_rate_per_s(&model, window, threshold_m, 2 * window, 6_000_000);
-                // The two definitions of "one excursion" differ by the few that lie close together:
-                // 5 % at 3 sigmas, more where excursions are not rare.
+                // The two definitions of "one excursion" differ by the few that are close together: 5 % at 3
+                // sigmas, more where excursions are not rare.
                 let bound = 4.0 * error + watched * if sigmas > 2.5 { 0.05 } else { 0.3 };
                 assert!((drawn - watched).abs() < bound, "{name} {sigmas}: {drawn} {watched} +- {error}");
             }

@@ -1,20 +1,20 @@
-//! What a monitor's rule does to healthy sensors in the first window after launch, before it is full.
+//! Effect of a monitor's rule on healthy sensors in the first window after launch, before the window is full.
 
 use super::ResidualModel;
 use super::draw_set::DrawSet;
 use super::monitor_rule::samples_of;
 
-/// Draws of launches, and readings in each at most.
+/// Number of drawn launches, and the largest number of readings in each.
 pub(super) const FIRST_DRAWS: u64 = 512;
 const FIRST_SAMPLES: u64 = 1_000;
-/// Healthy launches of a residual, drawn once for all the rules that are looked at.
+/// Healthy launches of a residual, drawn once for all the rules that are examined.
 #[derive(Clone, Debug)]
 pub struct HealthyLaunches<'a> {
     model: &'a ResidualModel,
     draws: DrawSet,
-    /// Ascending, in samples.
+    /// Window lengths in samples, ascending.
     windows: Vec<u64>,
-    /// For each window and launch, as [`first_window_barriers`] says.
+    /// For each window and launch, the result of [`first_window_barriers`].
     barriers: Vec<Vec<f64>>,
 }
 
@@ -25,7 +25,7 @@ impl<'a> HealthyLaunches<'a> {
         Self::draw_set(model, windows_s, DrawSet::default())
     }
 
-    /// As [`Self::draw`], with these random numbers.
+    /// As [`Self::draw`], with this set of random numbers.
     pub(super) fn draw_set(model: &'a ResidualModel, windows_s: &[f64], draws: DrawSet) -> Self {
         let mut windows: Vec<u64> = windows_s.iter().map(|window_s| samples_of(model, *window_s)).collect();
         windows.sort_unstable();
@@ -39,7 +39,7 @@ impl<'a> HealthyLaunches<'a> {
         self.model
     }
 
-    /// The random numbers that whoever looks at a rule of this residual draws too.
+    /// The random numbers, which are also used to assess rules of this residual.
     pub(super) const fn draws(&self) -> DrawSet {
         self.draws
     }
@@ -52,7 +52,7 @@ impl<'a> HealthyLaunches<'a> {
         }
     }
 
-    /// Share of healthy launches that end untrustworthy before the window is full.
+    /// Share of healthy launches in which the sensor becomes untrustworthy before the window is full.
     pub(super) fn alarms(&self, threshold_m: f64, window: u64) -> f64 {
         let barriers = self.barriers(window);
         let alarms = barriers.iter().filter(|barrier| **barrier > threshold_m).count();
@@ -60,13 +60,13 @@ impl<'a> HealthyLaunches<'a> {
     }
 }
 
-/// For each window (in ascending order), and each of [`FIRST_DRAWS`] healthy launches, the threshold
-/// below which the sensor would be called untrustworthy before the window is full.
+/// For each window (in ascending order), and each of [`FIRST_DRAWS`] healthy launches, the threshold below
+/// which the sensor would be called untrustworthy before the window is full.
 ///
-/// Reading by reading from the first on, that takes one beyond the threshold and after it an average beyond
-/// it, in which what is not covered yet counts as no error (`kf_core::monitor`): the largest of min(largest
-/// reading before, sum so far over the whole window). Only the first [`FIRST_SAMPLES`] readings are drawn:
-/// averages of more are in the steady rate.
+/// From the first reading on, that takes a reading beyond the threshold, followed by an average beyond it, in
+/// which the part of the window without readings counts as no error (`kf_core::monitor`). The barrier is
+/// therefore the largest of min(largest reading before, sum so far over the whole window). Only the first
+/// [`FIRST_SAMPLES`] readings are drawn: averages over more are part of the steady rate.
 fn first_window_barriers(model: &ResidualModel, windows: &[u64], draws: DrawSet) -> Vec<Vec<f64>> {
     let mut barriers: Vec<Vec<f64>> = vec![Vec::new(); windows.len()];
     let longest = windows.last().copied().unwrap_or(0).min(FIRST_SAMPLES);

@@ -1,8 +1,8 @@
 //! Statistics of autocorrelated residuals, in f64 and in one pass over a flight.
 //!
-//! Residuals of altitude sensors are autocorrelated: a hundred readings of an error that keeps its
-//! sign for a second are worth two or three. Everything here that says how sure it is, says so with
-//! the residual's own autocorrelation.
+//! Residuals of altitude sensors are autocorrelated: a hundred readings of an error with a correlation time
+//! of about a second are worth two or three. Every uncertainty computed here takes the residual's own
+//! autocorrelation into account.
 
 mod batch_means;
 mod chi_squared;

@@ -21,7 +21,7 @@ impl Moments {
         self.squares += from_old_mean * (value - self.mean);
     }
 
-    /// How many values there were.
+    /// Number of values.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count

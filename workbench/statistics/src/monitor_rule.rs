@@ -1,9 +1,9 @@
-//! What a monitor's rule costs and what it catches, for a residual's own autocorrelation.
+//! False alarms and detection delays of a monitor's rule, for a residual's own autocorrelation.
 //!
 //! The rule of eqs 16 and 17: doubtful once `|error| > threshold`; untrustworthy once, after that,
-//! `|moving average| > threshold`. An average lies between the least and the greatest of what it
-//! averages, so the second condition never holds before the first has: the time of `untrustworthy`
-//! is the moving average's first passage alone.
+//! `|moving average| > threshold`. An average lies between the smallest and the largest of its values, so the
+//! second condition never holds before the first has. The time of `untrustworthy` is therefore the moving
+//! average's first passage alone.
 
 use super::distributions::{normal_above, normal_quantile};
 use schemars::JsonSchema;
@@ -18,13 +18,13 @@ use super::healthy_launches::HealthyLaunches;
 const DRAWS: usize = 256;
 /// Share of healthy launches that a recommended rule may call untrustworthy in the first window.
 const FIRST_WINDOW_ALARMS: f64 = 0.01;
-/// A delay's quantile that a rule is chosen by.
+/// Quantile of the delay by which a rule is chosen.
 const CERTAINTY: f64 = 0.9;
-/// Windows tried, each this much longer than the last.
+/// Ratio of successive windows that are tried.
 const WINDOW_RATIO: f64 = std::f64::consts::SQRT_2;
-/// Longest window, as a share of the longest lag that the data say anything about.
+/// Longest window, as a share of the longest lag that the data cover.
 const WINDOW_PER_LONGEST_LAG: f64 = 1.0;
-/// No fault is waited for longer than this, seconds.
+/// Longest delay that is considered, seconds.
 const HORIZON_S: f64 = 600.0;
 
 /// A monitor's rule: `|moving average over window_s| > threshold_m`.
@@ -37,12 +37,12 @@ pub struct MonitorRule {
     pub window_s: f64,
 }
 
-/// A fault of a sensor that had been healthy.
+/// A fault of a sensor that was healthy before.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Fault {
-    /// An error that is there at once, metres.
+    /// An error that appears at once, metres.
     Step {
         /// Size, metres.
         size_m: f64,
@@ -55,7 +55,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// Moving average of the fault alone, that long after it began.
+    /// Moving average of the fault alone, at a time after it began.
     #[must_use]
     pub fn moving_average_m(self, window_s: f64, after_s: f64) -> f64 {
         match self {
@@ -65,7 +65,7 @@ impl Fault {
         }
     }
 
-    /// When the fault's own moving average reaches `level_m`; `None` if it never does.
+    /// Time at which the fault's own moving average reaches `level_m`; `None` if it never does.
     fn reaches_s(self, window_s: f64, level_m: f64) -> Option<f64> {
         match self {
             Self::Step { size_m } => (size_m >= level_m).then(|| window_s * level_m / size_m),
@@ -77,7 +77,7 @@ impl Fault {
     }
 }
 
-/// How long after a fault the sensor is called untrustworthy.
+/// Delay from a fault until the sensor is called untrustworthy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Delay {
@@ -89,7 +89,7 @@ pub struct Delay {
     pub ninety_percent_s: Option<f64>,
 }
 
-/// What a rule costs on a healthy sensor and how soon it detects faults.
+/// False alarms of a rule on a healthy sensor, and its delays of detection.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct RuleQuality {
@@ -100,20 +100,20 @@ pub struct RuleQuality {
     /// Median time until a healthy sensor's first reading beyond the threshold, seconds; `None` when
     /// longer than ten minutes.
     pub healthy_first_doubt_s: Option<f64>,
-    /// Times an hour at which a healthy sensor would be called untrustworthy (eq. 17, right), once
-    /// the window is full.
+    /// Rate at which a healthy sensor would be called untrustworthy, per hour (eq. 17, right), once the
+    /// window is full.
     pub false_alarms_per_hour: f64,
-    /// Share of launches at which a healthy sensor would be called untrustworthy before the window is
-    /// full: until then what is not covered counts as no error.
+    /// Share of launches at which a healthy sensor would be called untrustworthy before the window is full:
+    /// until then the part without readings counts as no error.
     pub healthy_alarm_in_first_window: f64,
-    /// Detection of the faults asked about.
+    /// Delays for the given faults.
     pub delays: Vec<Delay>,
 }
 
 impl RuleQuality {
-    /// The same where the error must besides have been beyond the threshold for so long, seconds
-    /// (`[monitor] persistence_s`): no delay is shorter than that and what the fault alone takes to the
-    /// threshold. False alarms are left as they were: at most so many.
+    /// The same if the error must also have been beyond the threshold for a given time, seconds
+    /// (`[monitor] persistence_s`): no delay is shorter than that time plus the fault's own time to the
+    /// threshold. False alarms are kept as upper limits.
     #[must_use]
     pub fn with_persistence(mut self, persistence_s: f64) -> Self {
         for delay in &mut self.delays {
@@ -162,8 +162,7 @@ pub fn assess_rule(
 
 /// Median time to the first reading beyond the threshold.
 fn first_doubt_s(model: &ResidualModel, threshold_m: f64, share_beyond: f64, draws: DrawSet) -> Option<f64> {
-    // Drawn sample by sample while that is cheap; rare readings beyond the threshold come at the
-    // rate of their excursions.
+    // Drawn sample by sample while that is cheap; otherwise from the rate of excursions of single readings.
     const DRAWN_SAMPLES: f64 = 2_000.0;
     let interval = model.sample_interval_s;
     if share_beyond > 20.0 / DRAWN_SAMPLES {
@@ -194,19 +193,19 @@ fn delay(model: &ResidualModel, rule: MonitorRule, fault: Fault, draws: DrawSet)
     Delay { fault, median_s: passages.quantile_s(0.5), ninety_percent_s: passages.quantile_s(CERTAINTY) }
 }
 
-/// What a rule is to achieve.
+/// Requirements for a rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RuleSearch {
-    /// False alarms an hour at most.
+    /// Largest rate of false alarms, per hour.
     pub false_alarms_per_hour: f64,
-    /// The fault that is to be detected soonest.
+    /// The fault whose detection delay is to be shortest.
     pub fault: Fault,
     /// Shortest and longest window to consider, seconds.
     pub windows_s: (f64, f64),
 }
 
 impl RuleSearch {
-    /// The windows that are tried, seconds: none longer than what the residual's record shows.
+    /// The windows that are tried, seconds: none longer than the residual's record covers.
     #[must_use]
     pub fn lengths_s(&self, model: &ResidualModel) -> Vec<f64> {
         let longest_s = self.windows_s.1.min(WINDOW_PER_LONGEST_LAG * model.longest_lag_s);
@@ -217,26 +216,26 @@ impl RuleSearch {
     }
 }
 
-/// A rule that was found.
+/// A recommended rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RuleChoice {
     /// The rule.
     pub rule: MonitorRule,
     /// The smallest step that it detects nine times in ten, metres.
     pub smallest_step_m: f64,
-    /// Whether it detects the fault that was asked about nine times in ten.
+    /// Whether it detects the given fault nine times in ten.
     pub detects_fault: bool,
-    /// The threshold that healthy launches ask for in the first window, metres.
+    /// The threshold that healthy launches require in the first window, metres.
     pub first_window_threshold_m: f64,
 }
 
-/// The rule that detects the fault soonest (nine times in ten) at the stated false-alarm rate; where
-/// none detects it, the rule that detects the smallest step.
+/// Finds the rule that detects the fault soonest (nine times in ten) at the given false-alarm rate; if none
+/// detects it, the rule that detects the smallest step.
 ///
-/// For each window the threshold follows from the rate, and from one in a hundred healthy launches at
-/// most being called untrustworthy before the window is full; windows longer than the longest lag that
-/// the residual's record shows are not considered, since nobody knows what they average over.
-/// `None` when the residual has no spread, or its record is too short for any window.
+/// For each window the threshold follows from that rate, and from the condition that at most one in a hundred
+/// healthy launches is called untrustworthy before the window is full. Windows longer than the longest lag
+/// that the residual's record covers are not considered, because the autocorrelation there is unknown. `None`
+/// if the residual has no spread, or its record is too short for any window.
 #[must_use]
 pub fn recommend_rule(launches: &HealthyLaunches<'_>, search: &RuleSearch) -> Option<RuleChoice> {
     let (model, draws) = (launches.model(), launches.draws());
@@ -275,7 +274,7 @@ pub fn recommend_rule(launches: &HealthyLaunches<'_>, search: &RuleSearch) -> Op
     refined(launches, target_per_s, choice)
 }
 
-/// The choice with its threshold found anew at fine resolution.
+/// The choice with its threshold computed again at fine resolution.
 fn refined(launches: &HealthyLaunches<'_>, target_per_s: f64, choice: RuleChoice) -> Option<RuleChoice> {
     let (model, draws) = (launches.model(), launches.draws());
     let window = samples_of(model, choice.rule.window_s);
@@ -291,7 +290,7 @@ fn refined(launches: &HealthyLaunches<'_>, target_per_s: f64, choice: RuleChoice
     })
 }
 
-/// The threshold at which excursions come at that rate, by bisection between 0 and 12 sigmas.
+/// The threshold at which excursions have that rate, by bisection between 0 and 12 sigmas.
 fn threshold_of_rate(excursions: &Excursions, sigma_m: f64, rate_per_s: f64) -> f64 {
     let (mut low, mut high) = (0.0, 12.0 * sigma_m);
     for _ in 0..18 {
@@ -309,7 +308,7 @@ fn threshold_of_rate(excursions: &Excursions, sigma_m: f64, rate_per_s: f64) -> 
 mod tests {
     use super::*;
 
-    /// With launches drawn for these rules alone.
+    /// With launches drawn for this rule alone.
     fn assess_rule(model: &ResidualModel, rule: MonitorRule, faults: &[Fault]) -> Option<RuleQuality> {
         super::assess_rule(&HealthyLaunches::draw(model, &[]), rule, faults)
     }
@@ -337,7 +336,7 @@ mod tests {
         let rule = MonitorRule { threshold_m: model.variance().sqrt(), window_s: 2.0 };
         let quality = assess_rule(&model, rule, &[STEP]).unwrap();
         assert!((quality.healthy_share_beyond - 0.317_3).abs() < 1e-3);
-        // Nearly independent readings at 31.7 %: the second or third one.
+        // Nearly independent readings at 31.7 %: the second or third is beyond the threshold.
         assert!(quality.healthy_first_doubt_s.unwrap() <= 0.06);
         assert!(quality.delays[0].median_s.unwrap() < 2.0);
     }
@@ -349,10 +348,11 @@ mod tests {
         let rule = recommend_rule(&model, &search).unwrap().rule;
         assert!(rule.window_s <= model.longest_lag_s);
         let quality = assess_rule(&model, rule, &[STEP]).unwrap();
-        // Found with 64 draws, assessed with 256; the launch may ask for more.
+        // Found with 64 draws, assessed with 256; the launch may require more.
         assert!(quality.false_alarms_per_hour < 0.1 * 0.3_f64.exp(), "{quality:?}");
         assert!(quality.healthy_alarm_in_first_window <= 0.01, "{quality:?}");
-        // No neighbour detects the step sooner by more than the draws' error: over 32 sets of draws.
+        // No neighbouring window detects the step sooner by more than the sampling error, over 32 sets of
+        // draws.
         let delays_s = |window_s: f64| {
             let (window, mut delays_s) = (samples_of(&model, window_s), Moments::default());
             for set in (0..32).map(DrawSet) {
@@ -414,7 +414,8 @@ mod tests {
         };
         let choice = recommend_rule(&model, &search(0.01)).unwrap();
         assert!(!choice.detects_fault);
-        // A step just above what it claims is detected in time by it or another rule, one below by none.
+        // A step just above the claimed smallest one is detected in time by this or another rule, one below
+        // by none.
         assert!(recommend_rule(&model, &search(1.01 * choice.smallest_step_m)).unwrap().detects_fault);
         assert!(!recommend_rule(&model, &search(0.99 * choice.smallest_step_m)).unwrap().detects_fault);
         let fault = Fault::Step { size_m: choice.smallest_step_m };

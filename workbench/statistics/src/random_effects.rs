@@ -1,5 +1,4 @@
-//! One number from several estimates that have sigmas of their own, and which of them do not belong with the
-//! others.
+//! Combines several estimates with their own sigmas into one, and finds those that do not fit the others.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
@@ -7,18 +6,18 @@ use rand_chacha::rand_core::SeedableRng as _;
 use super::distributions::student_above;
 use super::standard_normal::standard_normal;
 
-/// Chance of naming any outlier among estimates that all belong together.
+/// Probability of naming any outlier among estimates that all fit together.
 const FALSE_ALARM: f64 = 0.05;
-/// Fewer estimates cannot say of one that it differs: without it two are left, and of two neither is the odd
-/// one.
+/// Least number of estimates for finding an outlier: without it, three must be left, because of two neither
+/// can be called the odd one.
 const FEWEST: usize = 4;
-/// More flights than this that do not belong with the others are a question to the others.
+/// Largest number of outliers: if more do not fit, the others are in doubt.
 const MOST_OUTLIERS: usize = 6;
-/// Tables that a limit is made of: one in two hundred can be told.
+/// Simulated tables for a limit: they resolve a probability of one in two hundred.
 const TABLES: usize = 199;
-/// The same tables every time.
+/// Fixed, so that the tables are always the same.
 const SEED: u64 = 1;
-/// Steps of the bisection: 2^-40 of the widest spread that there can be.
+/// Steps of the bisection: 2^-40 of the widest possible spread.
 const STEPS: usize = 40;
 
 /// An estimate and one sigma of it.
@@ -30,47 +29,47 @@ pub struct Estimate {
     pub sigma: f64,
 }
 
-/// What several estimates say together.
+/// Combination of several estimates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pooled {
     /// Their mean, without the outliers.
     pub mean: f64,
     /// One sigma of it.
     pub sigma: f64,
-    /// How much the estimated thing itself differs from one estimate to the next, 1 sigma; 0 where the
-    /// estimates' own sigmas explain all of it.
+    /// Spread of the true value from one estimate to the next, 1 sigma; 0 where the estimates' own sigmas
+    /// explain all of the scatter.
     pub spread: f64,
-    /// Places of those that do not belong with the others, the oddest first.
+    /// The estimates that do not fit the others, the most unlikely first.
     pub outliers: Vec<Outlier>,
 }
 
-/// An estimate that does not belong with the others.
+/// An estimate that does not fit the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outlier {
-    /// Its place.
+    /// Its index.
     pub place: usize,
-    /// Chance that any of so many is so far off, were all alike: it, or one that is told after it and that
-    /// hid it.
+    /// Probability that, if all fit together, any of this many estimates deviates as far: this one, or one
+    /// found after it that it had hidden.
     pub p_value: f64,
 }
 
-/// Random effects: the estimates scatter about one mean by their own sigmas and by one spread more, which is
-/// estimated by Paule and Mandel's equation (DerSimonian and Kacker, "Random-effects model for meta-analysis
-/// of clinical trials: an update", Contemp. Clin. Trials 28 (2007) 105, section 2). `None` without an
-/// estimate.
+/// Combines estimates by a random-effects model: they scatter about one mean by their own sigmas and by one
+/// additional spread, which is estimated by Paule and Mandel's equation (DerSimonian and Kacker,
+/// "Random-effects model for meta-analysis of clinical trials: an update", Contemp. Clin. Trials 28 (2007)
+/// 105, section 2). `None` without an estimate.
 ///
 /// Outliers are found as by the generalised extreme studentised deviates (Rosner, Technometrics 25 (1983)
-/// 165): the estimate that is least likely by a prediction from all others (Higgins, Thompson and
-/// Spiegelhalter, J. R. Stat. Soc. A 172 (2009) 137, section 3) is taken away, again and again, up to a third
-/// of them; all up to the last that is beyond the limit are outliers, so that two that hide each other are
-/// found. Tables of limits are for equal sigmas and without a spread; with those of flights one table in six
-/// of twelve estimates would name one for nothing. So the limit is the table's own: the one that one in
-/// twenty tables passes of those that are made with its own sigmas, mean and spread (a parametric bootstrap;
+/// 165). The estimate that is least likely by a prediction from all others (Higgins, Thompson and
+/// Spiegelhalter, J. R. Stat. Soc. A 172 (2009) 137, section 3) is removed, repeatedly, up to a third of
+/// them. All those up to the last one beyond the limit are outliers, so that two that hide each other are
+/// found. Published tables of limits assume equal sigmas and no spread; with the sigmas of flights, one table
+/// in six of twelve estimates would name an outlier wrongly. So each table has its own limit: the one
+/// exceeded by one in twenty tables simulated with its own sigmas, mean and spread (a parametric bootstrap;
 /// Davison and Hinkley, "Bootstrap Methods", section 4.2).
 #[must_use]
 pub fn pooled(estimates: &[Estimate]) -> Option<Pooled> {
     let mut taken = oddest(estimates);
-    // Where no step is as odd as that by itself, the tables are not worth their time.
+    // If no step is unlikely enough by itself, simulating the tables is not worth the time.
     let is_any_odd = taken.iter().any(|outlier| outlier.p_value < FALSE_ALARM);
     let made = if is_any_odd { least_chances(estimates)? } else { Vec::new() };
     let mut found = 0;
@@ -82,7 +81,7 @@ pub fn pooled(estimates: &[Estimate]) -> Option<Pooled> {
         }
     }
     taken.truncate(found);
-    // Of two that hide each other, the first is as unlikely as the second says.
+    // Of two that hide each other, the first gets the second's lower probability.
     let mut least = 1.0_f64;
     for outlier in taken.iter_mut().rev() {
         least = least.min(outlier.p_value);
@@ -95,8 +94,8 @@ pub fn pooled(estimates: &[Estimate]) -> Option<Pooled> {
     Some(Pooled { mean, sigma, spread, outliers: taken })
 }
 
-/// The oddest estimate, the oddest of the rest, and so on, each with its chance times the number that it was
-/// the oddest of.
+/// The most unlikely estimate, the most unlikely of the rest, and so on, each with its probability times the
+/// number of estimates that it was chosen from.
 fn oddest(estimates: &[Estimate]) -> Vec<Outlier> {
     let mut left: Vec<(usize, Estimate)> = estimates.iter().copied().enumerate().collect();
     let mut taken = Vec::new();
@@ -120,8 +119,8 @@ fn oddest(estimates: &[Estimate]) -> Vec<Outlier> {
     taken
 }
 
-/// The least chance of any step in tables that are made with these sigmas, their mean and their spread, in
-/// which nothing is odd.
+/// The least probability of any step in each of the tables simulated with these sigmas, their mean and their
+/// spread, without outliers.
 fn least_chances(estimates: &[Estimate]) -> Option<Vec<f64>> {
     let (mean, _, spread) = together(estimates)?;
     let mut generator = ChaCha8Rng::seed_from_u64(SEED);
@@ -138,7 +137,7 @@ fn least_chances(estimates: &[Estimate]) -> Option<Vec<f64>> {
     Some(tables.collect())
 }
 
-/// Chance of an estimate as far from what all others predict.
+/// Probability of an estimate at least as far from the prediction of all others.
 fn chance(estimate: Estimate, others: &[Estimate]) -> Option<f64> {
     let (mean, sigma, spread) = together(others)?;
     let expected = (estimate.sigma.powi(2) + spread.powi(2) + sigma.powi(2)).sqrt();
@@ -185,7 +184,7 @@ mod tests {
     use super::*;
     use rand::RngExt as _;
 
-    /// Estimates of things that differ by `spread`, with sigmas from 0.1 to 2.
+    /// Estimates of values that differ by `spread`, with sigmas from 0.1 to 2.
     fn made(generator: &mut ChaCha8Rng, count: usize, spread: f64) -> Vec<Estimate> {
         (0..count)
             .map(|_| {
@@ -209,7 +208,7 @@ mod tests {
         assert_eq!(pooled(&[]), None);
     }
 
-    /// How often something is named among estimates that belong together: one table in twenty.
+    /// How often an outlier is named among estimates that fit together: one table in twenty.
     #[test]
     fn one_table_in_twenty_names_an_outlier_that_is_none() {
         let mut generator = ChaCha8Rng::seed_from_u64(2);
@@ -218,7 +217,7 @@ mod tests {
             let named = (0..tables)
                 .filter(|_| !pooled(&made(&mut generator, count, spread)).unwrap().outliers.is_empty())
                 .count();
-            // Ninety-nine in a hundred counts of that chance are up to this.
+            // Ninety-nine in a hundred counts with that probability are at most this.
             assert!(named <= 18, "{count}, {spread}: {named} of {tables}");
         }
     }

@@ -9,11 +9,11 @@ use super::Autocovariance;
 
 /// Ratio of neighbouring correlation times of the grid: three to a decade.
 const GRID_RATIO: f64 = 2.154_434_690_031_884;
-/// Sweeps of the non-negative least squares at most.
+/// Largest number of sweeps of the non-negative least squares.
 const SWEEPS: usize = 5_000;
-/// Weight of lag 0: the model's variance is the residual's.
+/// Weight of lag 0, so that the model's variance is the residual's.
 const VARIANCE_WEIGHT: f64 = 100.0;
-/// Components below this share of the variance are noise of the fit.
+/// Components below this share of the variance are treated as noise of the fit.
 const SMALLEST_SHARE: f64 = 1e-4;
 
 /// A first-order Gauss-Markov process.
@@ -28,8 +28,8 @@ pub struct Component {
 
 /// White noise plus first-order Gauss-Markov processes, sampled at a fixed interval.
 ///
-/// Non-negative variances make it a valid process whatever the data; an oscillating autocovariance
-/// is outside it and is replaced by its nearest monotone one. Values are Gaussian.
+/// Non-negative variances make it a valid process whatever the data. It cannot represent an oscillating
+/// autocovariance, which is replaced by the nearest monotone one. Values are Gaussian.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ResidualModel {
@@ -39,16 +39,16 @@ pub struct ResidualModel {
     pub white_variance_m2: f64,
     /// The correlated parts.
     pub components: Vec<Component>,
-    /// Longest lag that the data could say anything about, seconds.
+    /// Longest lag that the data cover, seconds.
     pub longest_lag_s: f64,
 }
 
 impl ResidualModel {
     /// Fits the variances of components on a grid of correlation times by non-negative least squares.
     ///
-    /// The sample mean was taken off before the autocovariance was measured, which lowers every lag
-    /// by that mean's variance; the model's own prediction of it is part of the fit. `None` when the
-    /// autocovariance has no lag beyond 0.
+    /// The sample mean was removed before the autocovariance was measured, which lowers every lag by that
+    /// mean's variance; the fit includes the model's own prediction of it. `None` if the autocovariance has
+    /// no lag beyond 0.
     #[must_use]
     pub fn fit(autocovariance: &Autocovariance, sample_interval_s: f64) -> Option<Self> {
         let lags = autocovariance.lags();
@@ -116,7 +116,7 @@ impl ResidualModel {
     /// Autocovariance of the moving average over `window` samples at a lag of `lag` samples.
     #[must_use]
     pub fn moving_average_autocovariance(&self, window: u64, lag: u64) -> f64 {
-        // Overlapping sums by the variances of the sums that bound them.
+        // Covariance of overlapping sums, from the variances of the sums that bound them.
         let sum_variance = |count: u64| {
             if count == 0 { 0.0 } else { (count as f64).powi(2) * self.variance_of_mean(count) }
         };
@@ -125,10 +125,10 @@ impl ResidualModel {
         0.5 * bounds / (window as f64).powi(2)
     }
 
-    /// Draws the process as means of `samples_per_step` consecutive samples, without end.
+    /// Draws an endless sequence of means of `samples_per_step` consecutive samples of the process.
     ///
-    /// The white part and each component have a stream of the seed's random numbers to themselves: how small
-    /// one is, or whether the fit has it at all, changes nothing in what the others draw.
+    /// The white part and each component have their own stream of the seed's random numbers: how small one
+    /// is, or whether the fit has it at all, does not change what the others draw.
     #[must_use]
     pub fn simulate(&self, samples_per_step: u64, seed: u64) -> Simulation {
         let white = ChaCha8Rng::seed_from_u64(seed);
@@ -146,8 +146,8 @@ impl ResidualModel {
         Simulation { white, white_sigma, parts }
     }
 
-    /// A stream for each component, which follows from its correlation time: the nearest of the fit's grid,
-    /// and how many before it have the same. The white part's is 0.
+    /// A stream number for each component, from its correlation time: the nearest of the fit's grid, and the
+    /// number of earlier components with the same one. The white part's is 0.
     fn streams(&self) -> Vec<u64> {
         let nearest: Vec<i64> = self
             .components
@@ -203,7 +203,7 @@ struct Part {
     mean_gain: f64,
     state_sigma: f64,
     shared_sigma: f64,
-    /// `None` of a step of one sample, which is its own mean.
+    /// `None` for a step of one sample, which is its own mean.
     own_sigma: Option<f64>,
     generator: ChaCha8Rng,
 }
@@ -320,8 +320,8 @@ pub(crate) mod tests {
         }
     }
 
-    /// A component of no variance has no part in what the others draw, and two of one correlation time are
-    /// independent of each other.
+    /// A component without variance does not change what the others draw, and two with the same correlation
+    /// time are independent of each other.
     #[test]
     fn components_draw_by_themselves() {
         let model = example();
@@ -394,7 +394,7 @@ pub(crate) mod tests {
             ratios.push(fitted(&model, 70.0, seed).variance_of_mean(50) / model.variance_of_mean(50));
         }
         let error = ratios.standard_deviation().unwrap() / (200.0_f64).sqrt();
-        // Without the mean's term the fit reads 0.77 here.
+        // Without the mean's term the fit gives 0.77 here.
         assert!((ratios.mean().unwrap() - 1.0).abs() < 4.0 * error + 0.05, "{ratios:?} +- {error}");
     }
 

@@ -1,8 +1,8 @@
-//! Spread that a few outliers do not move.
+//! Estimates the spread of values, robust to a few outliers.
 
-/// Samples kept; beyond that, every second one is dropped and the stride doubles.
+/// Number of samples kept; beyond that, every second one is dropped and the stride doubles.
 const CAPACITY: usize = 8_192;
-/// Sigma of a normal distribution over its median absolute deviation.
+/// Ratio of a normal distribution's sigma to its median absolute deviation.
 const NORMAL_SIGMA_PER_MAD: f64 = 1.482_602_218_505_602;
 
 /// Median and median absolute deviation of an evenly strided subset of a sequence.
@@ -54,7 +54,7 @@ impl RobustSpread {
         median(&mut self.kept.clone())
     }
 
-    /// Median absolute deviation times 1.4826: the standard deviation, were the values normal.
+    /// Median absolute deviation times 1.4826: the standard deviation for normal values.
     #[must_use]
     pub fn sigma(&self) -> Option<f64> {
         let centre = self.median()?;
@@ -83,7 +83,7 @@ mod tests {
         for outliers in [false, true] {
             let mut spread = RobustSpread::default();
             for (index, value) in first_order(0.0, 50_000, 5).into_iter().enumerate() {
-                // 10 % outliers of one sign move a MAD by at most 15 %; a standard deviation by 3,000 %.
+                // 10 % outliers of one sign change a MAD by at most 15 %, a standard deviation by 3,000 %.
                 let outlier = outliers && index % 10 == 3;
                 spread.push(3.0 + if outlier { 100.0 } else { 2.0 * value });
             }

@@ -1,8 +1,8 @@
 //! Standard normal random numbers that are the same on every platform.
 //!
-//! `rand_distr`'s algorithm (Doornik, "An improved ziggurat method to generate normal random samples", 2005)
-//! with its tables, so that a seed keeps its numbers, but with `libm`'s exponential and logarithm in the
-//! place of the platform's.
+//! Uses `rand_distr`'s algorithm (Doornik, "An improved ziggurat method to generate normal random samples",
+//! 2005) and tables, so that a seed keeps its numbers, but with `libm`'s exponential and logarithm instead of
+//! the platform's.
 
 mod tables;
 
@@ -14,7 +14,7 @@ pub fn standard_normal(generator: &mut impl Rng) -> f64 {
     loop {
         let bits = generator.next_u64();
         let area = bits as usize & 0xff;
-        // The upper 52 bits as a number of [2, 4), less 3.
+        // The upper 52 bits as a number in [2, 4), minus 3.
         let share = f64::from_bits((bits >> 12) | (1024 << 52)) - 3.0;
         let value = share * EDGES[area];
         if value.abs() < EDGES[area + 1] {
@@ -58,7 +58,7 @@ mod tests {
 
     use super::*;
 
-    /// A seed's numbers are those of `rand_distr`, but for the last digit of one in thousands.
+    /// A seed's numbers are those of `rand_distr`, except for the last digit of one in thousands.
     #[test]
     fn draws_what_rand_distr_draws() {
         let mut own = ChaCha8Rng::seed_from_u64(7);

@@ -1,4 +1,4 @@
-//! Is a sequence white?
+//! Tests whether a sequence is white.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Autocovariance;
 use super::distributions::chi_squared_above;
 
-/// How many lags the portmanteau test looks at.
+/// Number of lags in the portmanteau test.
 const LAGS: usize = 15;
 
 /// The Ljung-Box statistic of autocorrelations at lags 1, 2, ...: chi-squared with as many degrees
@@ -21,7 +21,7 @@ pub fn ljung_box(autocorrelations: &[f64], count: u64) -> f64 {
     n * (n + 2.0) * sum
 }
 
-/// How white a sequence is.
+/// Whiteness of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Whiteness {
@@ -31,7 +31,7 @@ pub struct Whiteness {
     pub ljung_box: f64,
     /// Probability that a white sequence exceeds it.
     pub p_value: f64,
-    /// How many values there were.
+    /// Number of values.
     pub count: u64,
 }
 

@@ -1,5 +1,4 @@
-//! What one diagram shows. `svg` draws it on paper; in a page, which gets it as JSON, `assets/charts.js`
-//! does.
+//! Describes one diagram. `svg` draws it for paper; in a page, `assets/charts.js` draws it from its JSON.
 
 use serde::Serialize;
 
@@ -12,15 +11,15 @@ pub type Values = Vec<Option<f64>>;
 pub enum Role {
     /// As measured.
     Measured,
-    /// As the model says.
+    /// Predicted by the model.
     Modelled,
     /// Measured minus modelled.
     Residual,
-    /// A mean of residuals.
+    /// A moving average of residuals.
     Average,
-    /// What an effect does to a sensor.
+    /// The effect of a physical cause on a sensor.
     Effect,
-    /// A bound that is not to be passed.
+    /// A limit that should not be exceeded.
     Bound,
     /// One standard deviation.
     Sigma,
@@ -37,19 +36,19 @@ pub enum Role {
 /// A diagram over a common axis.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Chart {
-    /// Its name among the diagrams of a page.
+    /// Its identifier among the diagrams of a page.
     pub id: String,
     /// Diagrams of one group share their zoom and cursor.
     pub group: String,
-    /// What is along the bottom, with its unit.
+    /// Name of the horizontal axis, with its unit.
     pub x_name: String,
-    /// What is along the side, with its unit.
+    /// Name of the vertical axis, with its unit.
     pub y_name: String,
     /// Unit of the values, for the read-out.
     pub unit: &'static str,
-    /// Places on the axis, ascending.
+    /// Positions on the horizontal axis, ascending.
     pub x: Vec<f64>,
-    /// Places that have names, instead of the axis' numbers.
+    /// Named positions, shown instead of the axis' numbers.
     pub x_ticks: Vec<(f64, String)>,
     /// Curves.
     pub lines: Vec<Line>,
@@ -59,12 +58,12 @@ pub struct Chart {
     pub levels: Vec<Level>,
     /// Vertical lines.
     pub moments: Vec<Moment>,
-    /// Shaded stretches: where the model fails.
+    /// Shaded stretches, where the model fails.
     pub shades: Vec<Shade>,
-    /// Places at which the horizontal axis should start and end, instead of the first and the last of `x`.
+    /// Start and end of the horizontal axis, instead of the first and the last of `x`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub x_range: Option<[f64; 2]>,
-    /// Values at which the vertical axis should start and end; wider data are still reached by zooming.
+    /// Start and end of the vertical axis; data outside can still be reached by zooming.
     pub y_range: Option<[f64; 2]>,
 }
 
@@ -77,7 +76,7 @@ pub struct Line {
     pub role: Role,
     /// Its values.
     pub y: Values,
-    /// Whether the values are dots instead.
+    /// Whether the values are drawn as dots instead.
     pub dots: bool,
     /// Whether the values are marked on the curve.
     pub knots: bool,
@@ -103,7 +102,7 @@ pub struct Level {
     pub name: String,
     /// Its meaning.
     pub role: Role,
-    /// Where.
+    /// Its value on the vertical axis.
     pub y: f64,
 }
 
@@ -114,7 +113,7 @@ pub struct Moment {
     pub name: String,
     /// Its meaning.
     pub role: Role,
-    /// Where.
+    /// Its position on the horizontal axis.
     pub x: f64,
 }
 
@@ -130,7 +129,7 @@ pub struct Shade {
 }
 
 impl Chart {
-    /// A diagram without anything in it.
+    /// An empty diagram.
     #[must_use]
     pub fn new(id: String, group: String, x_name: &str, y_name: String, x: Vec<f64>) -> Self {
         Self {
@@ -151,21 +150,21 @@ impl Chart {
         }
     }
 
-    /// With a curve.
+    /// Adds a curve.
     #[must_use]
     pub fn line(mut self, name: &str, role: Role, y: Values) -> Self {
         self.lines.push(Line { name: name.to_owned(), role, y, dots: false, knots: false });
         self
     }
 
-    /// With an area.
+    /// Adds an area.
     #[must_use]
     pub fn band(mut self, name: &str, role: Role, from: Values, to: Values) -> Self {
         self.bands.push(Band { name: name.to_owned(), role, from, to });
         self
     }
 
-    /// With two lines at plus and minus a bound, if there is one.
+    /// Adds two lines at plus and minus a bound, if there is one.
     #[must_use]
     pub fn bound(mut self, name: &str, role: Role, bound: Option<f64>) -> Self {
         if let Some(bound) = bound {

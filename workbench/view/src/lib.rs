@@ -1,5 +1,5 @@
-//! What a chart ([`Chart`]) or a table ([`Table`]) shows, described once, and how it is drawn: as [`svg`], in
-//! a [`page`], or as [`text`]. Knows no file, no flight and no analysis; builds for a browser too.
+//! Describes a chart ([`Chart`]) or a table ([`Table`]) once, and draws it as [`svg`], in a [`page`], or as
+//! [`text`]. It depends on no file, flight or analysis, and also builds for a browser.
 
 mod chart;
 pub mod page;

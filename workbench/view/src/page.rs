@@ -1,4 +1,4 @@
-//! Charts and tables in a page. uPlot draws the charts, which the page brings along; tables are HTML.
+//! Charts and tables in a page. Charts are drawn by uPlot, which the page includes; tables are HTML.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,26 +8,26 @@ use serde_json::{Number, Value};
 use crate::chart::{Chart, Role};
 use crate::table::{Align, Cell, Row, Table, Tone};
 
-/// Defines `pylonCharts`, whose `draw(element, chart)` draws a [`Chart`], given as its JSON.
+/// Defines `pylonCharts`, whose `draw(element, chart)` draws a [`Chart`] given as JSON.
 pub const SCRIPT: &str = include_str!("../assets/charts.js");
 
-/// The roles' colours on light and dark ground, as variables of the page's style. The page itself defines
-/// `--ink`, `--ground`, `--grid` and `--rule`.
+/// The roles' colours on light and dark backgrounds, as variables of the page's style. The page itself
+/// defines `--ink`, `--ground`, `--grid` and `--rule`.
 #[must_use]
 pub fn style() -> String {
     let mut style = String::from(":root {");
     for role in Role::ALL {
         let ink = role.ink();
-        // To a string, which never fails.
+        // Writing to a string never fails.
         let _ = write!(style, " --{}: light-dark({}, {});", role.name(), ink.light, ink.dark);
     }
     style + " }\n"
 }
 
-/// The diagrams by id as JSON, such that no text in them can end the element of the page that they stand in.
+/// The diagrams by id as JSON, escaped so that no text in them can end the page element that contains them.
 ///
 /// # Errors
-/// What [`serde_json`] says.
+/// Errors of [`serde_json`].
 pub fn data<'a>(charts: impl Iterator<Item = &'a Chart>) -> Result<String, serde_json::Error> {
     let charts: BTreeMap<&str, &Chart> = charts.map(|chart| (chart.id.as_str(), chart)).collect();
     let mut charts = serde_json::to_value(&charts)?;
@@ -36,8 +36,8 @@ pub fn data<'a>(charts: impl Iterator<Item = &'a Chart>) -> Result<String, serde
 }
 
 /// A table as an HTML element. Columns of numbers have the class `number`, explanations are a `span` of the
-/// class `note`, and toned cells have the class `good`, `doubt` or `bad`; the page's style gives these their
-/// looks. The first cell of a row is its heading.
+/// class `note`, and toned cells have the class `good`, `doubt` or `bad`; the page's style defines their
+/// appearance. The first cell of a row is its heading.
 #[must_use]
 pub fn table(table: &Table) -> String {
     let mut html = String::from("<table><thead><tr>");
@@ -49,7 +49,7 @@ pub fn table(table: &Table) -> String {
         html.push_str("<tr>");
         match row {
             Row::Section(title) => {
-                // To a string, which never fails.
+                // Writing to a string never fails.
                 let _ = write!(html, "<th scope=\"colgroup\" colspan=\"{}\">", table.columns.len());
                 push_text(&mut html, title);
                 html.push_str("</th>");
@@ -72,7 +72,7 @@ pub fn table(table: &Table) -> String {
     html + "</tbody></table>"
 }
 
-/// A cell as the element `start`.
+/// Appends a cell as the element `start`.
 fn push_cell(html: &mut String, start: &str, align: Align, cell: &Cell) {
     let number = if align == Align::Right { "number" } else { "" };
     let tone = match cell.tone {
@@ -96,7 +96,7 @@ fn push_cell(html: &mut String, start: &str, align: Align, cell: &Cell) {
     html.extend(["</", start.split(' ').next().unwrap_or(start), ">"]);
 }
 
-/// A text that cannot begin an element or a character reference.
+/// Appends a text, escaped so that it cannot begin an element or a character reference.
 fn push_text(html: &mut String, text: &str) {
     for letter in text.chars() {
         match letter {
@@ -108,12 +108,12 @@ fn push_text(html: &mut String, text: &str) {
     }
 }
 
-/// Figures of a value that is drawn: of a kilometre, centimetres.
+/// Significant figures of a drawn value: centimetres for a kilometre.
 const VALUE_FIGURES: i32 = 6;
-/// Figures of a place on the axis: of a day, hundredths of a second.
+/// Significant figures of a position on the axis: hundredths of a second for a day.
 const PLACE_FIGURES: i32 = 7;
 
-/// Rounds what is drawn to what can be seen or read off; the digits beyond would be most of a page.
+/// Rounds drawn numbers to what can be seen or read off; further digits would be most of a page's size.
 fn round(value: &mut Value, figures: i32) {
     match value {
         Value::Number(number) => {

@@ -1,20 +1,20 @@
-//! One colour a role, wherever it is drawn.
+//! One colour for each role, wherever it is drawn.
 
 use crate::chart::Role;
 
-/// How what has a role is drawn.
+/// Appearance of a role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ink {
-    /// Lines on white paper: red, green, blue.
+    /// Colour of lines on white paper: red, green, blue.
     pub line: [u8; 3],
-    /// Areas on white paper.
+    /// Colour of areas on white paper.
     pub area: [u8; 3],
     /// Width of curves on paper, half CSS pixels.
     pub width: i32,
-    /// In a page on light ground, as CSS writes colours. On screens: Okabe and Ito's, which the colour-blind
-    /// can tell apart.
+    /// Colour in a page on a light background, in CSS notation. Screens use Okabe and Ito's colours, which
+    /// colour-blind people can distinguish.
     pub light: &'static str,
-    /// In a page on dark ground.
+    /// Colour in a page on a dark background.
     pub dark: &'static str,
 }
 
@@ -25,7 +25,7 @@ impl Ink {
 }
 
 impl Role {
-    /// All of them.
+    /// All roles.
     pub const ALL: [Self; 11] = [
         Self::Measured,
         Self::Modelled,
@@ -40,7 +40,7 @@ impl Role {
         Self::Shade,
     ];
 
-    /// Its name, in JSON and as the variable of a page's style.
+    /// Its name in JSON and in the variables of a page's style.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -58,7 +58,7 @@ impl Role {
         }
     }
 
-    /// How it is drawn.
+    /// Its appearance.
     #[must_use]
     pub const fn ink(self) -> Ink {
         const BLUE: [u8; 3] = [0, 90, 160];
@@ -76,7 +76,7 @@ impl Role {
             Self::Average => Ink::new([0, 150, 60], [204, 234, 216], 3, "#00734f", "#33d6a4"),
             Self::Effect => Ink::new(BLUE, PALE_BLUE, 2, "#005a9e", "#7cc4ff"),
             Self::Bound => Ink::new(GREY, PALE_GREY, 2, "#2b333b", "#d5dde4"),
-            // Dark enough to be seen over a dense blue series.
+            // Dark enough to be visible over a dense blue series.
             Self::Sigma => Ink::new([150, 45, 0], [240, 224, 217], 2, "#2b333b", "#d5dde4"),
             Self::Doubtful => Ink::new(MAGENTA, PALE_MAGENTA, 2, "#8a6d00", "#ffe24a"),
             Self::Untrustworthy => Ink::new([193, 18, 31], [247, 219, 221], 2, "#c1121f", "#ff5a5f"),

@@ -1,9 +1,9 @@
-//! Curves that have places of their own, over common ones.
+//! Combines curves with different positions on the axis.
 
 use crate::chart::Values;
 
-/// Curves, each by ascending place, as columns over common places. A curve that has one place twice keeps
-/// both.
+/// Curves, each by ascending position, as columns over common positions. A position that occurs twice in one
+/// curve is kept twice.
 #[must_use]
 pub fn common_places<const N: usize>(curves: [&[(f64, f64)]; N]) -> (Vec<f64>, [Values; N]) {
     let mut rest = curves;

@@ -1,16 +1,16 @@
-//! What a table shows, described once. `text` draws it for a terminal, `page` as HTML.
+//! Describes a table. `text` draws it for a terminal, `page` as HTML.
 
-/// At which edge of their column texts stand.
+/// Edge of the column at which its texts are aligned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
-    /// Words.
+    /// For words.
     #[default]
     Left,
-    /// Numbers.
+    /// For numbers.
     Right,
 }
 
-/// Whether a cell is good news.
+/// Whether a cell's content is good or bad.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
     /// Neither.
@@ -18,7 +18,7 @@ pub enum Tone {
     Neutral,
     /// Good news.
     Good,
-    /// Doubt.
+    /// Doubtful.
     Doubt,
     /// Bad news.
     Bad,
@@ -29,29 +29,29 @@ pub enum Tone {
 pub struct Column {
     /// Its heading.
     pub name: String,
-    /// The edge at which its heading and its cells stand.
+    /// Alignment of its heading and its cells.
     pub align: Align,
 }
 
-/// What stands where a row crosses a column.
+/// The content of one cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cell {
     /// One line.
     pub text: String,
-    /// Whether it is good news.
+    /// Whether its content is good or bad.
     pub tone: Tone,
-    /// An explanation, for which only a page has room.
+    /// An explanation, which only a page has room for.
     pub note: String,
 }
 
 impl Cell {
-    /// With a tone.
+    /// Adds a tone.
     #[must_use]
     pub fn toned(text: impl Into<String>, tone: Tone) -> Self {
         Self { tone, ..Self::from(text.into()) }
     }
 
-    /// With an explanation.
+    /// Adds an explanation.
     #[must_use]
     pub fn explained(text: impl Into<String>, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..Self::from(text.into()) }
@@ -75,7 +75,7 @@ impl From<&str> for Cell {
 pub enum Row {
     /// A title of the rows below it, in the first column.
     Section(String),
-    /// A cell a column, from the first on; the first one says what the row is of. Columns without a cell stay
+    /// One cell for each column, from the first on; the first one names the row. Columns without a cell stay
     /// empty; cells beyond the last column are not drawn.
     Cells(Vec<Cell>),
 }
@@ -90,19 +90,19 @@ pub struct Table {
 }
 
 impl Table {
-    /// Without columns or rows.
+    /// An empty table.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// With a column of words.
+    /// Adds a column of words.
     #[must_use]
     pub fn left(self, name: impl Into<String>) -> Self {
         self.column(name, Align::Left)
     }
 
-    /// With a column of numbers.
+    /// Adds a column of numbers.
     #[must_use]
     pub fn right(self, name: impl Into<String>) -> Self {
         self.column(name, Align::Right)
@@ -113,7 +113,7 @@ impl Table {
         self
     }
 
-    /// Appends a title of the rows that follow.
+    /// Appends a title for the rows that follow.
     pub fn section(&mut self, title: impl Into<String>) {
         self.rows.push(Row::Section(title.into()));
     }

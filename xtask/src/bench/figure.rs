@@ -1,22 +1,22 @@
-//! A figure that Pylon wants to reach, and what was measured.
+//! A target figure of Pylon, and its measured value.
 
 use serde::Serialize;
 
 /// One figure.
 #[derive(Clone, Debug, Serialize)]
 pub struct Figure {
-    /// Of what.
+    /// Name of the measured quantity.
     pub name: String,
     /// As measured now, with its unit.
     pub measured: String,
-    /// What is wanted.
+    /// The target.
     pub wanted: String,
-    /// Whether it is reached.
+    /// Whether the target is reached.
     pub met: bool,
 }
 
 impl Figure {
-    /// A figure that should not be more.
+    /// A figure with an upper limit.
     pub fn at_most(name: impl Into<String>, measured: f64, limit: f64, unit: &str) -> Self {
         Self {
             name: name.into(),
@@ -26,7 +26,7 @@ impl Figure {
         }
     }
 
-    /// A figure that should not be less.
+    /// A figure with a lower limit.
     pub fn at_least(name: impl Into<String>, measured: f64, limit: f64, unit: &str) -> Self {
         Self {
             name: name.into(),

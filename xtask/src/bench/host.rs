@@ -1,5 +1,5 @@
-//! Time and memory on this machine: of the estimator alone, and of a comparison beside the mere reading
-//! of its file, one after the other in one run.
+//! Time and memory on this machine: of the estimator alone, and of a comparison relative to reading its file,
+//! measured in turn in one run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,34 +16,35 @@ use crate::child;
 use crate::table::{plain, right};
 use crate::workspace;
 
-/// Times that every command is run; what else the machine does only makes it slower, so the shortest counts.
+/// Times that every command is run. Other load on the machine only makes it slower, so the shortest time
+/// counts.
 const ROUNDS: usize = 5;
 /// Lengths of the flights, hours.
 const HOURS: [u32; 2] = [1, 2];
 
-/// Ticks a second of a replay in memory.
+/// Speed of a replay in memory, ticks a second.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Replay {
     /// The model's name.
     pub model: String,
-    /// Of the flight.
+    /// Ticks of the flight.
     pub ticks: f64,
     /// The mission's ticks alone.
     pub core_ticks_per_s: f64,
-    /// With the making of their inputs from the flight.
+    /// The same, including making their inputs from the flight.
     pub replay_ticks_per_s: f64,
 }
 
-/// What one flight cost.
+/// Cost of one flight.
 #[derive(Clone, Debug, Serialize)]
 pub struct Flight {
-    /// Its length.
+    /// Its length, hours.
     pub hours: u32,
-    /// Its file's size.
+    /// Size of its file, bytes.
     pub file_bytes: u64,
-    /// Cutting its rows into cells with the csv crate, which makes no number of any.
+    /// Splitting its rows into cells with the csv crate, without converting any to numbers.
     pub csv: Cost,
-    /// Parsing it: the same, and a number made of every cell by the standard library.
+    /// Parsing it: the same, plus converting every cell to a number with the standard library.
     pub parse: Cost,
     /// `pylon compare`.
     pub compare: Cost,
@@ -51,14 +52,14 @@ pub struct Flight {
     pub diagnose: Cost,
 }
 
-/// What the host's benchmarks found.
+/// Results of the host's benchmarks.
 #[derive(Clone, Debug, Serialize)]
 pub struct HostBench {
-    /// On the one-hour flight.
+    /// Replays of the one-hour flight.
     pub replays: Vec<Replay>,
-    /// By length.
+    /// The flights by length.
     pub flights: Vec<Flight>,
-    /// The figures to reach.
+    /// The target figures.
     pub figures: Vec<Figure>,
 }
 
@@ -99,7 +100,7 @@ fn simulate(folder: &Path, hours: u32, echo: bool) -> anyhow::Result<PathBuf> {
     Ok(flight)
 }
 
-/// The ways through a file in turn, so that what disturbs one disturbs all.
+/// Runs the commands on a file in turn, so that a disturbance affects all of them.
 fn measure_flight(bench: &Path, file: &Path, hours: u32) -> anyhow::Result<Flight> {
     let command = |program: &Path, arguments: &[&str]| {
         let mut command = Command::new(program);
@@ -139,7 +140,7 @@ fn figures(replays: &[Replay], flights: &[Flight]) -> Vec<Figure> {
             5.0,
             " s",
         ));
-        // A comparison holds the parsed flight and little else, and is the measure of it.
+        // A comparison holds little more than the parsed flight: the measure of a diagnosis's memory.
         let memory = diagnose.peak_bytes as f64 / compare.peak_bytes as f64;
         figures.push(Figure::at_most("diagnose / compare, memory", memory, 4.0, ""));
     }

@@ -1,5 +1,5 @@
-//! How fast a log is imported, and how much memory that takes, beside the format's reference reader on the
-//! same file in one run.
+//! Time and memory of importing a log, compared with the format's reference reader on the same file in one
+//! run.
 
 use std::fs;
 use std::path::Path;
@@ -14,16 +14,17 @@ use crate::setup;
 use crate::table::{plain, right};
 use crate::workspace;
 
-/// Times that every command is run; what else the machine does only makes it slower, so the shortest counts.
+/// Times that every command is run. Other load on the machine only makes it slower, so the shortest time
+/// counts.
 const ROUNDS: usize = 5;
 /// Where the real logs are, beside the checkout.
 const LOGS: &str = "../shared/flights/real";
-/// A log so short that its import shows what the program itself takes: its code that is read from the disk,
-/// and its threads.
+/// A log so short that its import shows the program's own memory: its code read from the disk, and its
+/// threads.
 const SHORT: &str = "igc/goigc_short1.igc";
-/// Of a log shorter than this most memory is the program's own, and a share of the file says nothing.
+/// Smallest log whose memory is compared with its size: below it, most memory is the program's own.
 const MEASURABLE_BYTES: u64 = 1_000_000;
-/// The longest real log of each kind, and the reader that its format's users have.
+/// The longest real log of each kind, and the reader that users of its format have.
 const FILES: [(&str, &str); 5] = [
     ("ulog/frrs_ekf_failure.ulg", "pyulog"),
     ("dataflash/pymav_test.BIN", "pymavlink"),
@@ -31,7 +32,7 @@ const FILES: [(&str, &str); 5] = [
     ("igc_many/goigc2_2023-10-28-xna-150420-01.igc", "aerofiles"),
     ("igc/igclib_flight_with_middle_landing.igc", "aerofiles"),
 ];
-/// Reads the whole file with that reader; without a file only loads it.
+/// Reads the whole file with that reader; without a file, only loads the reader.
 const READ: &str = r#"
 import sys
 reader, file = sys.argv[1], sys.argv[2:]
@@ -52,35 +53,35 @@ else:
             aerofiles.igc.Reader(skip_duplicates=True).read(opened)
 "#;
 
-/// What one log cost.
+/// Cost of one log.
 #[derive(Clone, Debug, Serialize)]
 pub struct Log {
-    /// Below the folder of real logs.
+    /// Path below the folder of real logs.
     pub file: &'static str,
     /// The reference reader.
     pub reader: &'static str,
-    /// The file's size.
+    /// The file's size, bytes.
     pub file_bytes: u64,
-    /// `pylon import`, with the writing of the flight.
+    /// `pylon import`, including writing the flight.
     pub pylon: Cost,
-    /// Python's start and the loading of the reader.
+    /// Starting Python and loading the reader.
     pub reader_started: Cost,
-    /// The same, and the reading of the file.
+    /// The same, plus reading the file.
     pub reader_read: Cost,
 }
 
-/// What was found.
+/// Results of the import benchmarks.
 #[derive(Clone, Debug, Serialize)]
 pub struct ImportBench {
-    /// `pylon --version`: what the program takes that does nothing.
+    /// `pylon --version`: cost of the program without any work.
     pub idle: Cost,
-    /// `pylon import` of a log of 43 kB: what the program takes that imports.
+    /// `pylon import` of a log of 43 kB: the program's own cost of an import.
     pub short: Cost,
     /// The logs.
     pub logs: Vec<Log>,
     /// Logs that are not on this machine.
     pub skipped: Vec<&'static str>,
-    /// The figures to reach.
+    /// The target figures.
     pub figures: Vec<Figure>,
 }
 
@@ -128,13 +129,13 @@ fn measure_log(path: &Path, file: &'static str, reader: &'static str, folder: &P
 }
 
 impl Log {
-    /// Time of the reference reader's reading alone, over that of the whole import, with the program's start
-    /// and the writing.
+    /// Ratio of the reference reader's reading time alone to that of the whole import, which includes the
+    /// program's start and the writing.
     fn speed(&self) -> f64 {
         (self.reader_read.cpu_seconds - self.reader_started.cpu_seconds) / self.pylon.cpu_seconds
     }
 
-    /// Memory beyond that of the program with a short file, in times of the file's size.
+    /// Memory beyond that needed for a short file, in multiples of the file's size.
     fn memory(&self, short: Cost) -> f64 {
         self.pylon.peak_bytes.saturating_sub(short.peak_bytes) as f64 / self.file_bytes as f64
     }
@@ -210,7 +211,7 @@ mod tests {
         };
         let figures = figures(&[log(1_000_000), log(999_999)], cost(0.1, 2_000_000));
         let found: Vec<_> = figures.iter().map(|figure| (figure.measured.as_str(), figure.met)).collect();
-        // A file that is too small for its share of memory only has its time.
+        // A file too small for a memory figure has only its time.
         assert_eq!(found, [("2.00", false), ("3.50", false), ("2.00", false)]);
     }
 }

@@ -1,10 +1,10 @@
-//! The long flights that the host is measured on.
+//! The long flights of the host's benchmarks.
 
 use std::fmt::Write as _;
 
-/// Captive flight an hour, seconds.
+/// Captive flight per hour of flight, seconds.
 const CAPTIVE_S: u32 = 600;
-/// A round of the free flight: manoeuvre, seconds, what it asks for. Ten an hour.
+/// A round of the free flight: manoeuvre, seconds, parameters. Ten an hour.
 const ROUND: [(&str, u32, &str); 9] = [
     ("turn", 60, "bank_deg = 25.0"),
     ("straight", 20, ""),
@@ -17,11 +17,11 @@ const ROUND: [(&str, u32, &str); 9] = [
     ("decelerate", 40, "airspeed_mps = 26.0"),
 ];
 const ROUNDS: u32 = 10;
-/// What is hidden in it. A diagnosis that finds nothing is done soon; these take it several rounds.
+/// Its hidden effects: a diagnosis without a finding would end soon; these take several rounds.
 const EFFECTS: [(&str, &str); 3] =
     [("baro.dynamic_pressure", "0.1"), ("gps.latency", "0.8"), ("imu.velocity_error", "0.02")];
 
-/// The scenario of a flight of so many hours, all its sensors at their usual rates, 200 rows a second, with
+/// The scenario of a flight of this many hours, with all sensors at their usual rates, 200 rows a second, and
 /// three hidden effects.
 pub fn scenario(hours: u32) -> String {
     let mut text = format!(

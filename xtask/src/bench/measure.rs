@@ -1,4 +1,4 @@
-//! One child's wall time and peak memory.
+//! Wall time and peak memory of a child process.
 
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -11,18 +11,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::{child, workspace};
 
-/// What a child cost.
+/// Cost of a child process.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Cost {
     /// Wall time from start to end, seconds.
     pub seconds: f64,
-    /// Time of all its threads on a core, seconds.
+    /// Processor time of all its threads, seconds.
     pub cpu_seconds: f64,
     /// Peak resident memory, bytes.
     pub peak_bytes: u64,
 }
 
-/// Runs a command in a process of its own, so that the peak is this child's and no other's.
+/// Runs a command in its own process, so that the peak is this child's alone.
 pub fn cost(command: &Command) -> anyhow::Result<Cost> {
     let mut measurer = workspace::program(env::current_exe()?);
     measurer.args(["measure", "--"]).arg(command.get_program()).args(command.get_args());
@@ -30,8 +30,8 @@ pub fn cost(command: &Command) -> anyhow::Result<Cost> {
     serde_json::from_str(&said.stdout).context("`cargo xtask measure` said something unexpected")
 }
 
-/// Runs commands in turn, so that what disturbs one disturbs all; of each the shortest times and the highest
-/// peak.
+/// Runs commands in turn, so that a disturbance affects all of them; returns the shortest times and the
+/// highest peak of each.
 pub fn shortest<const N: usize>(rounds: usize, commands: [Command; N]) -> anyhow::Result<[Cost; N]> {
     let mut best = [Cost { seconds: f64::INFINITY, cpu_seconds: f64::INFINITY, peak_bytes: 0 }; N];
     for _ in 0..rounds {
@@ -47,7 +47,7 @@ pub fn shortest<const N: usize>(rounds: usize, commands: [Command; N]) -> anyhow
     Ok(best)
 }
 
-/// Runs a command, throws away what it prints and prints what it cost.
+/// Runs a command, discards its output and prints its cost.
 pub fn print(command: &[String]) -> anyhow::Result<()> {
     let Some((program, arguments)) = command.split_first() else { bail!("no command to measure") };
     let start = Instant::now();

@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: the figures that Pylon wants to reach.
+//! `cargo xtask bench`: Pylon's target figures.
 
 mod figure;
 mod host;
@@ -21,7 +21,7 @@ use crate::workspace;
 
 use figure::Figure;
 
-/// Everything measured.
+/// All results.
 #[derive(Serialize)]
 struct Report {
     target: Option<target::TargetBench>,
@@ -70,7 +70,7 @@ pub fn run(part: Option<BenchPart>, json: bool, echo: bool) -> anyhow::Result<()
     Ok(())
 }
 
-/// Counts instructions in QEMU, after the set-up that it takes.
+/// Counts instructions in QEMU, after setting up what that needs.
 fn instructions(echo: bool) -> anyhow::Result<target::TargetBench> {
     for need in [Need::Target, Need::Qemu, Need::Npm] {
         setup::provide(need, echo)?;
@@ -82,7 +82,7 @@ fn instructions(echo: bool) -> anyhow::Result<target::TargetBench> {
 /// The benchmark's name.
 const BENCHMARK: &str = "figures";
 
-/// Builds the program that measures one thing a process, and says where it is.
+/// Builds the program that measures one thing per process; returns its path.
 fn program(echo: bool) -> anyhow::Result<PathBuf> {
     let arguments =
         ["bench", "--package", "host-tests", "--bench", BENCHMARK, "--no-run", "--message-format", "json"];
@@ -90,7 +90,7 @@ fn program(echo: bool) -> anyhow::Result<PathBuf> {
     executable(&said.stdout).context("cargo named no benchmark that it built")
 }
 
-/// The benchmark among what cargo says that it built; a package's programs are built beside it.
+/// The benchmark's path among cargo's messages; a package's programs are built beside it.
 fn executable(messages: &str) -> Option<PathBuf> {
     #[derive(Deserialize)]
     struct Message {

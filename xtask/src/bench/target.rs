@@ -1,4 +1,4 @@
-//! Instructions of a tick on the flight computer, ours beside other filters, counted by QEMU in one run.
+//! Instructions of a tick on the flight computer, ours and other filters', counted by QEMU in one run.
 
 use anyhow::Context;
 use comfy_table::Cell;
@@ -9,10 +9,10 @@ use crate::child;
 use crate::table::{plain, right};
 use crate::workspace;
 
-/// What the others are compared with: the paper's four states and four sensors.
+/// The filter that the others are compared with: the paper's four states and four sensors.
 const FILTER: &str = "kf-core filter";
 
-/// In which role a filter was measured.
+/// Role of a measured filter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Role {
@@ -20,7 +20,7 @@ enum Role {
     Ours,
     /// Published.
     Peer,
-    /// Hand-written for comparison; nobody publishes it.
+    /// Hand-written for comparison; not published.
     Reference,
 }
 
@@ -31,9 +31,9 @@ struct Row {
     role: Role,
     /// Instructions of a tick.
     mean: f64,
-    /// Of the cheapest tick.
+    /// Instructions of the cheapest tick.
     least: u32,
-    /// Of the dearest tick.
+    /// Instructions of the most expensive tick.
     most: u32,
 }
 
@@ -46,22 +46,22 @@ struct Check {
     kept: bool,
 }
 
-/// What the benchmark's program prints.
+/// Output of the benchmark's program.
 #[derive(Debug, Deserialize)]
 struct Counts {
     rows: Vec<Row>,
     checks: Vec<Check>,
 }
 
-/// What was counted.
+/// Results of the count.
 #[derive(Debug, Serialize)]
 pub struct TargetBench {
     rows: Vec<Row>,
-    /// The figures to reach.
+    /// The target figures.
     pub figures: Vec<Figure>,
 }
 
-/// Builds the image, runs it in QEMU and reads what was counted.
+/// Builds the image, runs it in QEMU and reads the counts.
 pub fn run(echo: bool) -> anyhow::Result<TargetBench> {
     let program = super::program(echo)?;
     let said = child::run(workspace::program(program).arg("target"), echo)?;
@@ -84,7 +84,7 @@ fn read(output: &str) -> anyhow::Result<TargetBench> {
 }
 
 impl TargetBench {
-    /// The filters, with their cost in units of ours.
+    /// The filters, with their cost in multiples of ours.
     pub fn table(&self) -> String {
         let filter = self.rows.iter().find(|row| row.name == FILTER).map_or(f64::NAN, |row| row.mean);
         let header = [Cell::new("filter"), right("instructions"), right("worst"), right("ratio to ours")];

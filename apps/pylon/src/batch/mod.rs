@@ -1,4 +1,4 @@
-//! Several flights, one by one: [`analysis::batch`] with the machine's threads, and its text.
+//! Several flights, one by one: [`analysis::batch`] run on the machine's threads, and its text.
 
 mod text;
 
@@ -8,8 +8,8 @@ use crate::threads::Threads;
 pub use analysis::batch::*;
 pub use text::text;
 
-/// Diagnoses every flight by itself. `together` is the diagnosis of all; `progress` is called once a flight.
-/// A flight that the diagnosis panics on costs none of the others.
+/// Diagnoses every flight by itself. `together` is the diagnosis of all flights; `progress` is called once a
+/// flight. If the diagnosis panics on one flight, the others are unaffected.
 #[must_use]
 pub fn batch(
     flights: &[NamedReplay<'_>],

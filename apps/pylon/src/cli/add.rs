@@ -40,7 +40,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The effect's id, as `pylon diagnose` names it: one of the catalogue, or of the model's own
+    /// The effect's id, as `pylon diagnose` names it: from the catalogue, or from the model's own
     /// [[effect_definition]]s
     #[arg(value_name = "EFFECT")]
     effect: String,
@@ -59,10 +59,10 @@ pub struct Arguments {
     /// Time constant of the effect, seconds [default: the best of a grid]
     #[arg(long, value_name = "SECONDS", value_parser = time_constant)]
     time_constant: Option<f32>,
-    /// When the clock of an effect with a time constant starts [default: whichever fits best]
+    /// Start of the clock for an effect with a time constant [default: whichever fits best]
     #[arg(long, value_name = "WHEN")]
     since: Option<Since>,
-    /// Write the effect despite the reasons against it
+    /// Write the effect despite the concerns raised
     #[arg(long)]
     force: bool,
     /// Write this file instead of the model's own
@@ -70,7 +70,7 @@ pub struct Arguments {
     output: Option<PathBuf>,
     #[command(flatten)]
     times: TimesArguments,
-    /// Fail if one flight to learn from cannot be used, instead of skipping and naming it
+    /// Fail if a flight to learn from cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
     /// Print JSON
@@ -78,12 +78,12 @@ pub struct Arguments {
     json: bool,
 }
 
-/// A clock's start.
+/// Start of a clock.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Since {
-    /// At launch
+    /// From launch
     Launch,
-    /// At the first tick
+    /// From the first tick
     Start,
 }
 
@@ -105,7 +105,7 @@ enum NotUsable {
         /// The columns, with commas between them.
         lacking: String,
     },
-    /// It cannot be replayed.
+    /// The flight cannot be replayed.
     #[error(transparent)]
     Replay(#[from] ReplayError),
 }
@@ -116,7 +116,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let flights = given.files.iter().chain(&held_files.files);
     let flights: Vec<_> = flights.map(|flight| Role::new(flight, "a flight")).collect();
     let is_preset = Model::preset(&arguments.model).is_some();
-    // Nobody else may change the model between what is read of it here and what is written.
+    // No other program may change the model between this read and the write.
     let _lock = if is_preset { None } else { locked(&arguments.model)? };
     let (text, output, before) = model(arguments)?;
     let effect = effect(arguments, &before)?;
@@ -163,7 +163,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     if !addition.concerns.is_empty() && !arguments.force {
         return Err(refused(&addition));
     }
-    // The result is printed before the model gets its name: where it cannot be printed, nothing was changed.
+    // The result is printed before the model gets its name: if printing fails, nothing was changed.
     let written = prepare(&output, |out| out.write_all(addition.text.as_bytes()))?;
     if arguments.json {
         terminal::put_json(&addition)?;
@@ -178,13 +178,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The model's lock; none where there is no such file, which is an error of its own.
+/// Locks the model; `None` if there is no such file, which is reported elsewhere.
 fn locked(model: &str) -> Result<Option<ModelLock>, Failure> {
     let path = Path::new(model);
     if path.is_file() { lock_model(path).map(Some) } else { Ok(None) }
 }
 
-/// The effect, and whether it can have what was asked for it.
+/// The effect, checked to support the options given for it.
 fn effect(arguments: &Arguments, model: &Model) -> Result<EffectId, Failure> {
     let name = &arguments.effect;
     let effect = model.effect_named(name).ok_or_else(|| {
@@ -201,7 +201,7 @@ fn effect(arguments: &Arguments, model: &Model) -> Result<EffectId, Failure> {
     Ok(effect)
 }
 
-/// The model's text, the file to write, and the model as it is.
+/// The model's text, the file to write, and the parsed model.
 fn model(arguments: &Arguments) -> Result<(String, PathBuf, Model), Failure> {
     let name = &arguments.model;
     if let Some(preset) = Model::preset(name) {
@@ -226,12 +226,12 @@ fn model(arguments: &Arguments) -> Result<(String, PathBuf, Model), Failure> {
         };
         Failure::input(format!("{name}: cannot be read: {error}{hint}"))
     })?;
-    // From the file once more, for the errors with its name.
+    // Read from the file again, so that errors name it.
     let before = load::model(name)?;
     Ok((text, arguments.output.clone().unwrap_or_else(|| PathBuf::from(name)), before))
 }
 
-/// Today in UTC; `SOURCE_DATE_EPOCH` goes before it
+/// Today in UTC; `SOURCE_DATE_EPOCH` takes precedence
 /// (<https://reproducible-builds.org/specs/source-date-epoch/>).
 fn today() -> Result<Date, Failure> {
     let Some(epoch) = std::env::var_os("SOURCE_DATE_EPOCH") else {

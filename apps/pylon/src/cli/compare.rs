@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     comparison.warnings.splice(0..0, notes.iter().map(ToString::to_string));
     let drawn = draw(arguments, &comparison, traces.as_deref())?;
     print(arguments, &comparison)?;
-    // Where the pictures are is no part of the result.
+    // The paths of the figures are not part of the result.
     for file in drawn {
         let _ = writeln!(std::io::stderr(), "drew {}", file.display());
     }

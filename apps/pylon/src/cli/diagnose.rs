@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         })
     });
-    // What one flight breaks is not to cost the others what each says alone.
+    // A panic in the joint diagnosis must not lose the diagnoses of single flights.
     let together = match together {
         Err(why) if one_by_one.is_none() => return Err(Failure::input(defect(&why))),
         Err(why) => Err(defect(&why)),

@@ -30,7 +30,7 @@ Examples:
   pylon discover flight.csv --json | jq .laws[0].regressor
       for other programs";
 
-/// Search for a law over the recorded signals where nothing in the catalogue explains the misfit
+/// Search the recorded signals for a law where no catalogue effect explains the misfit
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -39,10 +39,10 @@ pub struct Arguments {
     /// Make law N, as this command numbers it, an effect definition of this model file
     #[arg(long, num_args = 2, value_names = ["MODEL.toml", "N"])]
     write: Option<Vec<String>>,
-    /// The id of the definition that `--write` makes; without, what it acts on and its signals
+    /// Id of the definition that `--write` makes [default: what it acts on and its signals]
     #[arg(long, value_name = "ID", requires = "write")]
     id: Option<String>,
-    /// Draw every law into DIR (SVG): measured against law, and what it leaves against each of its signals
+    /// Draw every law into DIR (SVG): measured against law, and the remainder against each of its signals
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
     /// Print JSON
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     flights.write_left_out();
     if let Some(directory) = &arguments.plots {
         for file in draw_laws(directory, &discovery)? {
-            // Where the pictures are is no part of the result.
+            // The paths of the figures are not part of the result.
             let _ = writeln!(std::io::stderr(), "drew {}", file.display());
         }
     }
@@ -114,7 +114,7 @@ fn readable(file: &Path) -> Result<String, Failure> {
     })
 }
 
-/// Makes a law an effect definition; says so.
+/// Writes a law into a model file as an effect definition; returns a message that reports it.
 fn write(
     file: &Path,
     number: usize,
@@ -142,7 +142,7 @@ fn write(
     ))
 }
 
-/// The command that was run, to be pasted.
+/// The command that was run, ready to paste.
 fn command(arguments: &StudyArguments) -> String {
     let mut command = "pylon discover".to_owned();
     for flight in &arguments.flights {

@@ -36,7 +36,7 @@ pub struct Arguments {
     /// An effect, or a sensor to explain all of its effects
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// A model whose own effects, defined by formula, are listed too
+    /// A model whose own effects, defined by formulas, are listed too
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
     /// Draw the effect on a simulated flight into this file (SVG)
@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let is_one = effects.len() == 1;
     let texts = effects.into_iter().map(|effect| {
-        // Of many a picture each would be pages.
+        // For many effects, a picture of each would fill pages.
         let picture = Picture::of(effect).filter(|_| is_one);
         let drawn = picture.map(|picture| format!("\n{}\n\n{}", picture.caption(), picture.text()));
         explained(&model, effect) + &drawn.unwrap_or_default()

@@ -11,7 +11,7 @@ const DIFFERS: u8 = 1;
 /// Bad usage or bad input.
 const BAD_INPUT: u8 = 2;
 
-/// Why a command did not do what was asked: one line and the exit status.
+/// Why a command failed: a one-line message and the exit status.
 #[derive(Debug)]
 pub struct Failure {
     message: String,
@@ -29,7 +29,7 @@ impl Failure {
         Self { status: DIFFERS, ..Self::input(message) }
     }
 
-    /// Bad usage, in one line: clap's own has several.
+    /// Bad usage, as one line: clap's own message has several.
     pub fn usage(error: &clap::Error) -> Self {
         let text = error.render().to_string();
         let first = text.split("\n\n").next().unwrap_or(&text);
@@ -37,14 +37,14 @@ impl Failure {
         Self { message: format!("{message} (see --help)"), status: BAD_INPUT }
     }
 
-    /// Why, in one line.
+    /// The reason, in one line.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// Says why on standard error and gives the exit status.
+    /// Prints the reason to standard error and returns the exit status.
     pub fn report(&self) -> ExitCode {
-        // Nothing is left to be told to when standard error is closed too.
+        // If standard error is closed too, there is nowhere left to report this.
         let _ = writeln!(std::io::stderr(), "error: {}", self.message);
         ExitCode::from(self.status)
     }

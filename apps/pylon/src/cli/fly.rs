@@ -60,13 +60,13 @@ Faults (CHIP FAULT START..END, in seconds of the flight's time; those marked * h
 Exit status: 0 every bit is the same; 1 bits differ; 2 bad usage or bad input, or no emulator,
 probe or board.";
 
-/// Fly a flight through the firmware, in QEMU or on a board, and compare with the host, bit for bit
+/// Fly a flight through the firmware, in QEMU or on a board, and compare it with the host bit for bit
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     #[command(flatten)]
     what: OneFlight,
-    /// Give the estimator the flight's rows as they are, without chips and drivers
+    /// Give the estimator the flight's rows directly, without sensor chips and drivers
     #[arg(long)]
     ideal_sensors: bool,
     /// Make a chip fail, such as "baro stuck-low 60..65" (may be repeated)
@@ -75,7 +75,7 @@ pub struct Arguments {
     /// Write the emulated flight computer's telemetry, as a ground station records it
     #[arg(long, value_name = "TLOG", conflicts_with = "hil")]
     telemetry: Option<PathBuf>,
-    /// Write the flight computer's results (a flight record), as a recorder on a board's results port would:
+    /// Write the flight computer's results (a flight record) as a recorder on a board's results port would;
     /// `pylon import` turns it into a flight
     #[arg(long, value_name = "RECORD")]
     record: Option<PathBuf>,
@@ -86,8 +86,8 @@ pub struct Arguments {
     /// interface/stlink.cfg]
     #[arg(long = "probe-config", value_name = "FILE", requires = "hil")]
     probe_configs: Vec<PathBuf>,
-    /// Give the host's mission every barometer reading one unit in the last place off: to see that
-    /// it is found
+    /// Give the host's mission every barometer reading one unit in the last place off, to check that the
+    /// difference is found
     #[arg(long, hide = true)]
     plant_host_error: bool,
 }
@@ -159,7 +159,7 @@ impl Arguments {
     }
 }
 
-/// What costs are counted in, in words.
+/// Name of the unit in which costs are counted.
 const fn unit(report: &FlyReport) -> &'static str {
     match report.cost_unit {
         CostUnit::Instructions => "instructions",

@@ -42,25 +42,25 @@ Formats are detected from content. All commands that take a flight also read log
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// The log: PX4 ULog, ArduPilot DataFlash (.bin, .log), IGC, a MAVLink stream's recording (tlog),
-    /// AltusMetrum CSV, a flight record, Pylon's own MCAP or Parquet, or with a mapping any table of numbers
-    /// (CSV, Parquet)
+    /// The log: PX4 ULog, ArduPilot DataFlash (.bin, .log), IGC, a recorded MAVLink stream (tlog),
+    /// AltusMetrum CSV, a flight record, Pylon's own MCAP or Parquet, or, with a mapping, any table of
+    /// numbers (CSV, Parquet)
     #[arg(value_name = "LOG")]
     log: PathBuf,
-    /// The flight to write (CSV), or with --guess the mapping [default with --guess: standard output]
+    /// The flight to write (CSV), or the mapping with --guess [default with --guess: standard output]
     #[arg(short, long, value_name = "FILE", required_unless_present = "guess")]
     output: Option<PathBuf>,
-    /// Read a table of numbers by this mapping file, which assigns the columns
+    /// Read a table of numbers with this mapping file, which assigns the columns
     #[arg(long, value_name = "MAPPING", conflicts_with = "guess")]
     mapping: Option<PathBuf>,
     /// Draft a mapping file from names, values and physics; nothing is imported
     #[arg(long, conflicts_with = "turn")]
     guess: bool,
-    /// Invert the sign of a velocity that the log has the wrong way round (may be repeated)
+    /// Invert a velocity that the log records with the wrong sign (may be repeated)
     #[arg(long, value_name = "COLUMN", value_parser = clap::builder::PossibleValuesParser::new(import::signs::names()))]
     turn: Vec<String>,
-    /// Convert an altitude above the ellipsoid to one above mean sea level, by the metres that the geoid is
-    /// above the ellipsoid there (may be repeated)
+    /// Convert an altitude above the ellipsoid to one above mean sea level, given the metres by which the
+    /// geoid is above the ellipsoid there (may be repeated)
     #[arg(long, value_name = "COLUMN=METRES", conflicts_with = "guess")]
     to_msl: Vec<import::to_msl::ToMsl>,
     /// Print JSON: what was written
@@ -119,7 +119,7 @@ fn guess(arguments: &Arguments) -> Result<(), Failure> {
     let log = arguments.log.display().to_string();
     let Some(output) = &arguments.output else { return terminal::put(&draft.text(&log, "mapping.toml")) };
     let file = output.display().to_string();
-    // A mapping that somebody has corrected must not be lost to a second guess.
+    // A mapping that the user has corrected must not be overwritten by a second guess.
     if output.is_file() {
         return Err(Failure::input(format!(
             "{file}: already exists and would be overwritten; choose another name for -o"

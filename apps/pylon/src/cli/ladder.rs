@@ -19,7 +19,7 @@ Examples:
   pylon ladder --model ours.toml flight.csv --json | jq '.revisions[].flights[0].sensors.baro.free_flight_rms_m'
       for other programs";
 
-/// The error of every revision of a model on every flight
+/// Show the error of every revision of a model on every flight
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {

@@ -1,4 +1,4 @@
-//! Flights and models, by what the user wrote.
+//! Loads the flights and models that the user named.
 
 use std::collections::BTreeSet;
 use std::error::Error;
@@ -18,13 +18,13 @@ use view::text::printable;
 use super::failure::Failure;
 use super::progress::while_busy;
 
-/// A flight, from its CSV or from any log that can be imported, and what was remarkable about it.
+/// Reads a flight from its CSV or from any log that can be imported, with notes on it.
 pub fn flight(file: &Path) -> Result<(Flight, Vec<Note>), Failure> {
     Ok(while_busy("reading", || import::open(file))?)
 }
 
-/// Refuses a flight that is given twice: twice to learn from would count double, and one that is learned
-/// from holds out nothing.
+/// Refuses a flight that is given twice: learned from twice it would count double, and once learned from it
+/// is not held out.
 pub fn refuse_repeats(learned: &[PathBuf], held: &[PathBuf]) -> Result<(), Failure> {
     let same = |file: &PathBuf| file.canonicalize().unwrap_or_else(|_| file.clone());
     let mut seen = BTreeSet::new();
@@ -45,10 +45,10 @@ pub fn refuse_repeats(learned: &[PathBuf], held: &[PathBuf]) -> Result<(), Failu
     Ok(())
 }
 
-/// A flight as it was read, and what was remarkable about it.
+/// A flight as read, and notes on it.
 pub type Read = (Flight, Vec<Note>);
 
-/// Several flights, without those that are of no use.
+/// The usable ones of several flights.
 pub struct Batch {
     /// Files of the flights.
     pub files: Vec<PathBuf>,
@@ -59,8 +59,8 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// The flights of some files. One that cannot be read, or that `is_usable` refuses, is skipped, unless it
-    /// is the only one or all are to be used (`strict`).
+    /// Reads flights from files. One that cannot be read, or that `is_usable` refuses, is skipped, unless it
+    /// is the only one or all must be usable (`strict`).
     pub fn read<E: Error>(
         files: &[PathBuf],
         strict: bool,
@@ -95,7 +95,7 @@ impl Batch {
         Ok(batch)
     }
 
-    /// Says on standard error which flights were skipped, and why.
+    /// Prints to standard error which flights were skipped, and why.
     pub fn write_skipped(&self) {
         if self.skipped.is_empty() {
             return;
@@ -105,12 +105,12 @@ impl Batch {
         for why in &self.skipped {
             text += &format!("  {}\n", why.message());
         }
-        // Nothing is left to be told to when standard error is closed.
+        // If standard error is closed, there is nowhere to report this.
         let _ = write!(std::io::stderr(), "{text}");
     }
 }
 
-/// Those flights ready to be flown by a model, each under its file's name.
+/// Replays of these flights with a model, each under its file's name.
 pub fn replays<'a>(
     files: &[PathBuf],
     flights: &'a [Read],
@@ -120,7 +120,7 @@ pub fn replays<'a>(
     replays_by(files, flights, |flight| Replay::new(flight, model, given))
 }
 
-/// As [`replays`], for a diagnosis: it estimates the biases beside everything else.
+/// As [`replays`], for a diagnosis, which estimates the biases along with everything else.
 pub fn replays_to_diagnose<'a>(
     files: &[PathBuf],
     flights: &'a [Read],
@@ -143,22 +143,22 @@ fn replays_by<'a>(
     named.collect()
 }
 
-/// Says on standard error what of each flight is not used, and why.
+/// Prints to standard error which part of each flight is not used, and why.
 pub fn write_unused<'a>(named: impl IntoIterator<Item = &'a NamedReplay<'a>>) {
     for NamedReplay { file, replay, .. } in named {
         write_unused_of(file, replay);
     }
 }
 
-/// As [`write_unused`], of one flight.
+/// As [`write_unused`], for one flight.
 pub fn write_unused_of(file: &impl Display, replay: &Replay<'_>) {
     for line in Usage::of(replay).lines() {
-        // Nothing is left to be told to when standard error is closed.
+        // If standard error is closed, there is nowhere to report this.
         let _ = writeln!(std::io::stderr(), "note: {file}: {line}");
     }
 }
 
-/// Those flights, each under its file's name.
+/// These flights, each under its file's name.
 pub fn named<'a>(files: &[PathBuf], flights: &'a [Read], given: GivenTimes) -> Vec<NamedFlight<'a>> {
     let named = |(file, (flight, _)): (&PathBuf, &'a Read)| NamedFlight {
         file: file.display().to_string(),
@@ -168,20 +168,20 @@ pub fn named<'a>(files: &[PathBuf], flights: &'a [Read], given: GivenTimes) -> V
     files.iter().zip(flights).map(named).collect()
 }
 
-/// A model by its preset's name or its file; says on standard error what in it is unlikely.
+/// Loads a model by preset name or file; prints a warning to standard error for each unlikely value in it.
 pub fn model(name: &str) -> Result<Model, Failure> {
     let model = Model::load(name)?;
     for warning in model.warnings() {
-        // Nothing is left to be told to when standard error is closed.
+        // If standard error is closed, there is nowhere to report this.
         let _ = writeln!(std::io::stderr(), "warning: {name}: {warning}");
     }
     Ok(model)
 }
 
-/// Says on standard error what was remarkable about an input.
+/// Prints notes on an input to standard error.
 pub fn write_notes(notes: &[Note]) {
     for note in notes {
-        // Nothing is left to be told to when standard error is closed.
+        // If standard error is closed, there is nowhere to report this.
         let _ = writeln!(std::io::stderr(), "note: {}", printable(&note.to_string()));
     }
 }

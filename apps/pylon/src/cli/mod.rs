@@ -1,7 +1,7 @@
-//! Commands, their arguments, and what becomes of errors.
+//! Commands, their arguments, and how errors are reported.
 //!
-//! Standard output carries the result, standard error the progress and one line for an error. Exit
-//! status 0: it ran; 1: `fly` found bits that differ; 2: bad usage or bad input.
+//! Standard output carries the result, standard error the progress and one line for an error. Exit status 0:
+//! it ran; 1: `fly` found bits that differ; 2: bad usage or bad input.
 
 mod add;
 mod compare;
@@ -35,8 +35,8 @@ use clap::{Parser, Subcommand};
 
 use self::failure::Failure;
 
-/// Calibrates a UAV's altitude sensors in captive flight, watches them in free flight, and says where
-/// the model fails.
+/// Calibrates a UAV's altitude sensors in captive flight, monitors them in free flight, and reports where the
+/// model fails.
 #[derive(Debug, Parser)]
 #[command(name = "pylon", version, propagate_version = true, max_term_width = 100)]
 struct Arguments {
@@ -61,7 +61,7 @@ enum Command {
     Studio(studio::Arguments),
 }
 
-/// Whether there was no argument at all: who only types the name wants to know what it does.
+/// Whether there was no argument at all: a user who types only the name wants to know what the program does.
 fn is_bare(error: &clap::Error) -> bool {
     error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
 }

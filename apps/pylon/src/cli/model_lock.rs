@@ -1,4 +1,4 @@
-//! One program at a time changes a model.
+//! A lock, so that only one program at a time changes a model.
 
 use std::fs::{File, TryLockError};
 use std::path::Path;
@@ -8,18 +8,18 @@ use same_file::Handle;
 use super::failure::Failure;
 use super::progress::while_busy;
 
-/// Nobody else changes the model while this is held.
+/// While this is held, no other program changes the model.
 #[derive(Debug)]
 pub struct ModelLock {
-    /// Locked; closing it lets go.
+    /// The locked file; closing it releases the lock.
     _file: File,
 }
 
-/// Waits until nobody else changes the model at `path`, and keeps others from it. What was read of the model
-/// before is then to be read again.
+/// Waits until no other program is changing the model at `path`, then locks it. Anything read from the model
+/// earlier must be read again.
 ///
-/// The lock is on the file itself, which every change replaces: one that was replaced while this program
-/// waited is locked anew under its name.
+/// The lock is on the file itself, which every change replaces. If the file was replaced while this program
+/// waited, the new file of that name is locked instead.
 pub fn lock_model(path: &Path) -> Result<ModelLock, Failure> {
     let in_file =
         |error: std::io::Error| Failure::input(format!("{}: cannot be locked: {error}", path.display()));
@@ -49,8 +49,8 @@ mod tests {
 
     use super::*;
 
-    /// As `add` does it: read, change, replace. Without the lock, or with one on the replaced file, changes
-    /// are lost.
+    /// As `add` does it: read, change, replace. Without the lock, or with a lock on the replaced file,
+    /// changes are lost.
     #[test]
     fn of_25_changes_at_once_none_is_lost() {
         const CHANGES: usize = 25;

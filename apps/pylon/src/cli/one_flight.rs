@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::times::TimesArguments;
 
-/// A flight, the model to fly over it, and the form of the output.
+/// A flight, the model to fly over it, and the output format.
 #[derive(Debug, Args)]
 pub struct OneFlight {
     /// The flight: a flight's CSV, or a log that `pylon import` reads

@@ -17,7 +17,7 @@ Examples:
   pylon open 00000042.BIN --json | jq '[.take_off_s, .landing_s]'
       for other programs";
 
-/// Show what is in a log: take-off, landing, sensors, and which part is used
+/// Show what a log contains: take-off, landing, sensors, and which part is used
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {

@@ -1,4 +1,4 @@
-//! No command overwrites what it reads, nor one of its outputs with another.
+//! Guards against a command overwriting one of its inputs, or one of its outputs with another.
 
 use std::fs;
 use std::io;
@@ -8,25 +8,24 @@ use same_file::Handle;
 
 use super::failure::Failure;
 
-/// A file that a command reads or writes, and what it is to the command, for the error: "the log", "the
-/// model".
+/// A file that a command reads or writes, and its role for the error message: "the log", "the model".
 #[derive(Clone, Copy, Debug)]
 pub struct Role<'a> {
-    /// Where it is.
+    /// Its path.
     pub path: &'a Path,
-    /// What it is.
+    /// Its role.
     pub what: &'a str,
 }
 
 impl<'a> Role<'a> {
-    /// A file and what it is.
+    /// A file and its role.
     pub const fn new(path: &'a Path, what: &'a str) -> Self {
         Self { path, what }
     }
 }
 
-/// Refuses an output that is one of the inputs, or another output, by whatever path: another spelling, a
-/// symbolic or a hard link. Devices and pipes lose nothing when they are written to.
+/// Refuses an output that is one of the inputs or another output, by whatever path: another spelling, a
+/// symbolic link or a hard link. Devices and pipes are exempt: writing to them loses nothing.
 pub fn refuse_overwriting(inputs: &[Role<'_>], outputs: &[Role<'_>]) -> Result<(), Failure> {
     for (index, output) in outputs.iter().enumerate() {
         let read = inputs.iter().find(|input| is_same(input.path, output.path));
@@ -52,7 +51,7 @@ pub fn refuse_overwriting(inputs: &[Role<'_>], outputs: &[Role<'_>]) -> Result<(
     Ok(())
 }
 
-/// How a path that looks otherwise leads to the same file, for the error.
+/// How a path that looks different leads to the same file, for the error message.
 fn alias(input: &Path, output: &Path) -> String {
     if input == output { String::new() } else { format!(" (by the name {})", input.display()) }
 }
@@ -65,13 +64,13 @@ fn is_same(one: &Path, other: &Path) -> bool {
                 && Handle::from_path(one)
                     .is_ok_and(|one| Handle::from_path(other).is_ok_and(|other| one == other))
         }
-        // Neither is there yet: the same name in the same directory.
+        // Neither exists yet: compare the name and the directory.
         (Err(_), Err(_)) => place(one).is_ok_and(|one| place(other).is_ok_and(|other| one == other)),
         _ => false,
     }
 }
 
-/// The path that a file which is not there yet will have.
+/// The path that a file which does not exist yet will have.
 fn place(path: &Path) -> io::Result<PathBuf> {
     let directory = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,

@@ -1,5 +1,5 @@
-//! How often commands pass over a flight's ticks. In this program, whose other tests fly nothing, because the
-//! passes are counted for the whole of it.
+//! How often commands pass over a flight's ticks. These tests are in this program, whose other tests fly
+//! nothing, because passes are counted for the whole process.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -22,7 +22,8 @@ struct DiagnoseLine {
     arguments: diagnose::Arguments,
 }
 
-/// Two minutes at 20 Hz, the first of them captive: by a launch column, or on the ground before the take-off.
+/// Two minutes at 20 Hz, the first of them captive: marked by a launch column, or on the ground before
+/// take-off.
 fn write_flight(file: &Path, has_launch: bool, seed: u32) {
     let mut csv =
         "# pylon-flight: 1\ntime_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,baro_alt_m\n".to_owned();
@@ -41,7 +42,7 @@ fn write_flight(file: &Path, has_launch: bool, seed: u32) {
     fs::write(file, csv).unwrap();
 }
 
-/// With a revision, so that the ladder flies two models.
+/// A model with a revision, so that the ladder flies two models.
 const MODEL: &str = "\
 [[effect]]
 id = \"baro.lag\"
@@ -55,8 +56,8 @@ coefficient = 0.4
 sigma = 0.1
 ";
 
-/// A new question about a flight is to be an observer of a pass that is made already: see \"Passes over a
-/// flight\" in docs/workbench.md.
+/// A new question about a flight must be an observer of a pass that is already made: see "Passes over a
+/// flight" in docs/workbench.md.
 #[test]
 fn reports_and_diagnoses_pass_a_flight_once_and_once_more_for_its_block_means() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Folders and patterns on the command line, and the files that they mean.
+//! Resolves folders and patterns on the command line to files.
 
 use std::fs;
 use std::io;
@@ -11,26 +11,26 @@ use pylon::import;
 use super::failure::Failure;
 use super::progress::while_busy;
 
-/// As a shell matches: a star crosses no folder, and finds no hidden file.
+/// Matching as in a shell: a star does not cross folders or match hidden files.
 const AS_SHELLS_DO: MatchOptions =
     MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
 
-/// How many names of files that are no logs are said.
+/// Number of files other than logs that are named in a note.
 const NAMED: usize = 5;
 
-/// What the user meant.
+/// The files that the user's arguments stand for.
 #[derive(Debug, Default)]
 pub struct Places {
-    /// Files, in the order in which they were given; those of a folder by name.
+    /// Files in the order given; those of a folder by name.
     pub files: Vec<PathBuf>,
-    /// Folders that have other files beside logs.
+    /// Notes on folders that contain other files besides logs.
     notes: Vec<String>,
 }
 
 impl Places {
-    /// The files that these arguments mean: a file itself, a folder every log in it at any depth, a pattern
-    /// (`logs/*.igc`, where the shell has not expanded it) what it matches. What is no log is left out of a
-    /// folder, but not of a pattern.
+    /// The files that these arguments stand for: a file stands for itself, a folder for every log in it at
+    /// any depth, a pattern (`logs/*.igc`, if the shell has not expanded it) for what it matches. Files that
+    /// are not logs are left out of a folder, but not of a pattern.
     ///
     /// # Errors
     /// A folder without a log, a pattern that matches nothing, a folder that cannot be listed.
@@ -40,7 +40,7 @@ impl Places {
             if path.is_dir() {
                 places.take_folder(path)?;
             } else if path.exists() || !is_pattern(path) {
-                // A file that does not exist is named by whoever reads it.
+                // A missing file is reported by the code that reads it.
                 places.files.push(path.clone());
             } else {
                 places.take_pattern(path)?;
@@ -55,7 +55,7 @@ impl Places {
             .map_err(|error| Failure::input(format!("{}: cannot be listed: {error}", folder.display())))?;
         found.sort();
         let (logs, others): (Vec<_>, Vec<_>) = while_busy("looking for logs", || {
-            // One that cannot be read is named with the reason when it is opened.
+            // A file that cannot be read is reported with the reason when it is opened.
             found.into_iter().partition(|file| import::is_known(file).unwrap_or(true))
         });
         if logs.is_empty() {
@@ -103,22 +103,22 @@ impl Places {
         Ok(())
     }
 
-    /// Says on standard error what was left out.
+    /// Prints to standard error what was left out.
     pub fn write_notes(&self) {
         for note in &self.notes {
-            // Nothing is left to be told to when standard error is closed.
+            // If standard error is closed, there is nowhere to report this.
             let _ = writeln!(io::stderr(), "note: {note}");
         }
     }
 }
 
-/// Whether a name has what shells expand.
+/// Whether a name contains characters that shells expand.
 fn is_pattern(path: &Path) -> bool {
     path.to_string_lossy().contains(['*', '?', '['])
 }
 
-/// Every file at any depth. Hidden ones and linked folders, which may lead in a circle, are none of the
-/// user's logs.
+/// Lists every file at any depth, except hidden files and linked folders: they are not the user's logs, and
+/// links may form a cycle.
 fn list(folder: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;

@@ -1,4 +1,4 @@
-//! Progress on standard error, for what takes longer than a second.
+//! Progress on standard error, for work that takes longer than a second.
 
 use std::sync::mpsc;
 use std::thread;
@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Nothing is shown before this.
+/// Delay before anything is shown.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// A spinner turns in these steps.
+/// Interval between the spinner's steps.
 const TICK: Duration = Duration::from_millis(125);
-/// What is going on is asked once in so many of them: once a second.
+/// Spinner steps between updates of its message: one update a second.
 const TICKS_PER_MESSAGE: u32 = 8;
 
 /// A bar that appears after a second, on a terminal only.
@@ -23,12 +23,12 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress of `total` steps of something.
+    /// Progress through `total` steps of `what`.
     pub fn new(what: &'static str, total: u64) -> Self {
         Self { started: Instant::now(), what, total, bar: None }
     }
 
-    /// `done` steps are done.
+    /// Shows that `done` steps are done.
     pub fn show(&mut self, done: u64) {
         if self.bar.is_none() && self.started.elapsed() > PATIENCE {
             let template = "{msg} {wide_bar} {human_pos} of {human_len}, {eta} left";
@@ -50,8 +50,7 @@ impl Drop for Progress {
     }
 }
 
-/// Counts the steps of something of which nobody knows beforehand how many they are; appears after a second,
-/// on a terminal only.
+/// Counts steps when their total is not known in advance; appears after a second, on a terminal only.
 #[derive(Debug)]
 pub struct Counter {
     started: Instant,
@@ -62,12 +61,12 @@ pub struct Counter {
 }
 
 impl Counter {
-    /// Of something, and what a step of it is, in the plural.
+    /// `what` names the work; `steps` names its steps, in the plural.
     pub fn new(what: &'static str, steps: &'static str) -> Self {
         Self { started: Instant::now(), what, steps, done: 0, bar: None }
     }
 
-    /// One more is done.
+    /// Counts one more step.
     pub fn step(&mut self) {
         self.done += 1;
         if self.bar.is_none() && self.started.elapsed() > PATIENCE {
@@ -92,23 +91,23 @@ impl Drop for Counter {
     }
 }
 
-/// Runs something whose end cannot be foreseen; after a second a spinner says what is going on.
+/// Runs work of unknown duration; after a second a spinner shows `what`.
 pub fn while_busy<T>(what: &'static str, work: impl FnOnce() -> T) -> T {
     while_telling(|| what.to_owned(), work)
 }
 
-/// As [`while_busy`], for what goes on to something else meanwhile: `what` is asked once a second.
+/// As [`while_busy`], for work whose description changes: `what` is called once a second.
 pub fn while_telling<T>(what: impl Fn() -> String + Send, work: impl FnOnce() -> T) -> T {
     let (done, wait) = mpsc::channel::<()>();
     thread::scope(|scope| {
         let tell = move || {
-            // Another error than this means that the work is done and `done` was dropped.
+            // Any other error means that the work is done and `done` was dropped.
             let is_busy = |time| wait.recv_timeout(time) == Err(mpsc::RecvTimeoutError::Timeout);
             if !is_busy(PATIENCE) {
                 return;
             }
             let spinner = ProgressBar::new_spinner();
-            // By hand: the spinner's own clock would be a thread more.
+            // Ticked by hand: the spinner's own clock would need another thread.
             for tick in 0_u32.. {
                 if tick % TICKS_PER_MESSAGE == 0 {
                     spinner.set_message(what());
@@ -120,7 +119,7 @@ pub fn while_telling<T>(what: impl Fn() -> String + Send, work: impl FnOnce() ->
             }
             spinner.finish_and_clear();
         };
-        // Where the machine has no thread left, the work goes on without a word.
+        // If no thread can be started, the work runs without a spinner.
         let _ = thread::Builder::new().spawn_scoped(scope, tell);
         let result = work();
         drop(done);

@@ -34,7 +34,7 @@ Examples:
   pylon report logger.igc --calibrate 60..180 -o report.html
       a log without a launch column";
 
-/// Write a page about flights: zoomable charts, where the model fails and what may be missing
+/// Write a page about flights: zoomable charts, where the model fails and what it may be missing
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
@@ -46,16 +46,16 @@ pub struct Arguments {
     model: String,
     #[command(flatten)]
     times: TimesArguments,
-    /// Evaluate what may be missing on this flight instead of on held-out manoeuvres (may be repeated)
+    /// Evaluate missing effects on this flight instead of on held-out manoeuvres (may be repeated)
     #[arg(long, value_name = "FLIGHT")]
     hold_out: Vec<PathBuf>,
     /// Fail if one flight cannot be used, instead of skipping and naming it
     #[arg(long)]
     strict: bool,
-    /// The page to write: one HTML file, with everything in it
+    /// The page to write: one self-contained HTML file
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Print JSON: where the page is
+    /// Print JSON: the page's file and size
     #[arg(long)]
     json: bool,
 }
@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
         Replay::calibrated_or_not(flight, &model, times).map(|_| ())
     })?;
     let learned_from = by_name(load::replays(&batch.files, &batch.flights, &model, times)?);
-    // A diagnosis needs nothing quiet to calibrate on.
+    // A diagnosis needs no quiet period to calibrate in.
     let to_diagnose = by_name(load::replays_to_diagnose(&batch.files, &batch.flights, &model, times)?);
     let to_judge = by_name(load::replays_to_diagnose(&held.files, &held.flights, &model, times)?);
     let [learned_flights, held_flights] = [&batch, &held].map(|batch| {
@@ -152,7 +152,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     terminal::put(&format!("{}: {flights}, {size:.1} MB\n", arguments.output.display()))
 }
 
-/// The flights by their files' names, as a page has them.
+/// Renames the flights to their files' names without folders, as the page shows them.
 fn by_name(mut named: Vec<NamedReplay<'_>>) -> Vec<NamedReplay<'_>> {
     named.iter_mut().for_each(|named| named.file = file_name(&named.file));
     named
@@ -162,9 +162,9 @@ fn defect(file: &str, why: &Panicked) -> String {
     format!("{file}: not drawn because of a bug in pylon; please report it: {why}")
 }
 
-/// A flight as it is read, replayed and diagnosed.
+/// A flight to report on: as read, replayed and diagnosed.
 struct Asked<'f, 'a> {
-    /// Its place in the page, from 0.
+    /// Its position in the page, from 0.
     index: usize,
     named: &'f NamedReplay<'a>,
     flight: &'f NamedFlight<'a>,

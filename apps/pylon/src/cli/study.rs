@@ -1,5 +1,4 @@
-//! What a study works on: flights to learn from, flights to evaluate on, and the model that they are held
-//! against.
+//! The inputs of a study: flights to learn from, flights to evaluate on, and the model to test against them.
 
 use std::path::PathBuf;
 
@@ -14,7 +13,7 @@ use super::load::{self, Batch};
 use super::places::Places;
 use super::times::TimesArguments;
 
-/// What `diagnose` and `discover` are given.
+/// The common arguments of `diagnose` and `discover`.
 #[derive(Debug, Args)]
 pub struct StudyArguments {
     /// Flights to learn from: flight CSVs, logs that `pylon import` reads, or folders of them
@@ -34,7 +33,7 @@ pub struct StudyArguments {
 }
 
 impl StudyArguments {
-    /// The files that are meant; refuses a flight that is given twice.
+    /// Resolves the arguments to files; refuses a flight that is given twice.
     pub fn find(&self) -> Result<StudyPlaces, Failure> {
         let places =
             StudyPlaces { learned: Places::find(&self.flights)?, held: Places::find(&self.hold_out)? };
@@ -55,7 +54,7 @@ impl StudyPlaces {
         self.learned.files.iter().chain(&self.held.files)
     }
 
-    /// Reads the flights that can be used with that model.
+    /// Reads the flights that can be used with this model.
     pub fn read(self, model: &Model, arguments: &StudyArguments) -> Result<StudyFlights, Failure> {
         let is_usable =
             |flight: &Flight| Replay::calibrated_or_not(flight, model, arguments.times.given()).map(|_| ());
@@ -68,7 +67,7 @@ impl StudyPlaces {
     }
 }
 
-/// The flights of a study, as they were read.
+/// The flights of a study, as read.
 pub struct StudyFlights {
     places: StudyPlaces,
     learned: Batch,
@@ -86,7 +85,7 @@ impl StudyFlights {
         load::replays_to_diagnose(&batch.files, &batch.flights, model, self.given)
     }
 
-    /// What was remarkable about the logs, each with its file.
+    /// Notes on the logs, each with its file.
     pub fn warnings(&self) -> Vec<String> {
         let of = |batch: &Batch| -> Vec<String> {
             let pairs = batch.files.iter().zip(&batch.flights);
@@ -97,7 +96,7 @@ impl StudyFlights {
         [of(&self.learned), of(&self.held)].concat()
     }
 
-    /// Says on standard error what was left out of folders, and which flights were skipped.
+    /// Prints to standard error what was left out of folders, and which flights were skipped.
     pub fn write_left_out(&self) {
         self.places.learned.write_notes();
         self.places.held.write_notes();

@@ -23,13 +23,13 @@ pub fn put_json(result: &impl serde::Serialize) -> Result<(), Failure> {
     put(&(serde_json::to_string_pretty(result)? + "\n"))
 }
 
-/// Writes to standard output, control characters spelled out. A reader that has seen enough (`| head`) is no
+/// Writes to standard output, with control characters escaped. A reader that stops early (`| head`) is no
 /// error.
 pub fn put(text: &str) -> Result<(), Failure> {
     put_raw(&printable(text))
 }
 
-/// The same of a text that has colours if [`has_colour`] says so, and whose other parts are printable then.
+/// As [`put`], for a text that has colours if [`has_colour`] returns true. The rest of it must be printable.
 pub fn put_coloured(text: &str) -> Result<(), Failure> {
     if has_colour() { put_raw(text) } else { put(text) }
 }

@@ -1,9 +1,9 @@
-//! What a user says of a flight's times.
+//! A flight's times as given by the user.
 
 use clap::Args;
 use pylon::replay::{CalibrationWindow, GivenAirborne, GivenTimes};
 
-/// Where to calibrate and when it was in the air, where the flight is not to say.
+/// The calibration window and the time in the air, if they are not to be found from the flight.
 #[derive(Clone, Copy, Debug, Args)]
 pub struct TimesArguments {
     /// Calibrate on this part of every flight, and take its end as launch; seconds of the flight's clock, as
@@ -17,7 +17,7 @@ pub struct TimesArguments {
 }
 
 impl TimesArguments {
-    /// As the library has it.
+    /// The same times as the library's type.
     #[must_use]
     pub const fn given(self) -> GivenTimes {
         GivenTimes { calibration: self.calibrate, airborne: self.airborne }

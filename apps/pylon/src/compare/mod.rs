@@ -1,5 +1,5 @@
-//! How well a model agrees with a flight: `pylon compare`, which is [`analysis::compare`] with the machine's
-//! threads, and its text.
+//! How well a model agrees with a flight: `pylon compare`, which is [`analysis::compare`] run on the
+//! machine's threads, and its text.
 
 pub(crate) mod text;
 
@@ -10,9 +10,9 @@ pub use text::text;
 
 use crate::threads::Threads;
 
-/// Flies the replay's model over its flight and compares; `progress` is told how many rows are done.
+/// Flies the replay's model over its flight and compares; `progress` is called with the number of rows done.
 ///
-/// The names of the flight's file and of the model are the caller's to fill in.
+/// The caller fills in the names of the flight's file and of the model.
 ///
 /// # Errors
 /// [`ReplayError`] for a model that no mission can be made of.

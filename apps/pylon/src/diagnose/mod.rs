@@ -1,4 +1,4 @@
-//! Which physical effect a model lacks: [`analysis::diagnose`] with the machine's threads, and its text.
+//! Which physical effect a model lacks: [`analysis::diagnose`] run on the machine's threads, and its text.
 
 pub(crate) mod text;
 
@@ -11,7 +11,7 @@ pub use text::text;
 
 use crate::threads::Threads;
 
-/// Finds what the model lacks; all replays have the same model. `progress` is called once a fit.
+/// Finds what the model lacks; all replays must have the same model. `progress` is called once a fit.
 #[must_use]
 pub fn diagnose(
     flights: &[NamedReplay<'_>],
@@ -21,7 +21,7 @@ pub fn diagnose(
     diagnose_by(&Threads, flights, hold_outs, progress)
 }
 
-/// The same, by another executor.
+/// As [`diagnose`], with another executor.
 pub(crate) fn diagnose_by(
     executor: &dyn Executor,
     flights: &[NamedReplay<'_>],
@@ -32,8 +32,8 @@ pub(crate) fn diagnose_by(
     found.unwrap_or_else(|_| unreachable!("it is never cancelled"))
 }
 
-/// A diagnosis of flights with a model that lacks an effect, and what that effect's coefficient is to be
-/// learned from.
+/// Diagnoses flights with a model that lacks an effect; also returns the problem from which that effect's
+/// coefficient is learned.
 #[must_use]
 pub fn study(
     flights: &[NamedReplay<'_>],
@@ -45,7 +45,7 @@ pub fn study(
     found.unwrap_or_else(|_| unreachable!("it is never cancelled"))
 }
 
-/// Progress of work that nobody ends.
+/// Progress of work that is never cancelled.
 pub(crate) fn endless(progress: &mut dyn FnMut()) -> impl FnMut() -> ControlFlow<()> + '_ {
     || {
         progress();

@@ -7,17 +7,17 @@ use view::{Cell, Table, Tone};
 
 use analysis::diagnose::{CandidateFacts, Diagnosis, Glitch, SensorDiagnosis, SensorWander, Verdict};
 
-/// Candidates that are listed beside the chosen ones.
+/// Number of candidates listed beside the chosen ones.
 const OTHERS: usize = 5;
 
-/// Writing a line to a string, which cannot fail.
+/// Writes a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);
     }};
 }
 
-/// The diagnosis as text of some 100 columns, with colours by ANSI codes if `colour`.
+/// The diagnosis as text about 100 columns wide, with colours as ANSI codes if `colour` is true.
 #[must_use]
 pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     let mut out = String::new();
@@ -57,7 +57,7 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     put!(out, "\n{}", headline(diagnosis));
     let has_launch = diagnosis.flights.iter().any(|flight| flight.usage.has_launch);
     for (name, sensor) in &diagnosis.sensors {
-        // The reference is only worth a paragraph where something is wrong with it.
+        // The reference gets a paragraph only if something is wrong with it.
         if *name != "gps" || sensor.verdict >= Verdict::Identified {
             write_sensor(&mut out, name, sensor, has_launch, colour);
         }
@@ -94,7 +94,7 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
     out
 }
 
-/// The effects that no column would have had tested, by the reason.
+/// Effects that went untested for a reason other than missing columns, grouped by the reason.
 pub(crate) fn untested_for_a_reason(diagnosis: &Diagnosis) -> Vec<(Vec<&str>, &str)> {
     let mut by_reason: Vec<(Vec<&str>, &str)> = Vec::new();
     for untested in &diagnosis.untested {
@@ -254,7 +254,7 @@ fn before_after(before_m: Option<f64>, after_m: Option<f64>) -> String {
     }
 }
 
-/// A probability of an effect; of one that is next to certain it is not said that it is.
+/// The probability of an effect, in per cent; near certainty is given as a limit, never as 100 %.
 pub(crate) fn per_cent(probability: f64) -> String {
     match probability {
         p if p < 0.01 => "< 1 %".to_owned(),

@@ -1,4 +1,4 @@
-//! Laws that nobody wrote down: [`analysis::discover`] with the machine's threads, and its text.
+//! Laws found without a catalogue: [`analysis::discover`] run on the machine's threads, and its text.
 
 mod text;
 
@@ -8,7 +8,7 @@ pub use text::{significant, text};
 use crate::diagnose::{NamedReplay, endless};
 use crate::threads::Threads;
 
-/// Looks for laws; all replays have the same model. `progress` is called once a step.
+/// Searches for laws; all replays must have the same model. `progress` is called once a step.
 #[must_use]
 pub fn discover(
     flights: &[NamedReplay<'_>],

@@ -4,15 +4,15 @@ use std::fmt::Write as _;
 
 use analysis::discover::{Discovery, FoundLaw, Why, id};
 
-/// Writing a line to a string, which cannot fail.
+/// Writes a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);
     }};
 }
 
-/// What was found as text, with the commands that go on from it; `command` is the one that was run, without
-/// options of its own.
+/// The result as text, with the commands that continue from it; `command` is the one that was run, without
+/// its own options.
 #[must_use]
 pub fn text(discovery: &Discovery, command: &str) -> String {
     let mut out = String::new();
@@ -146,7 +146,7 @@ fn percent(share: f64) -> String {
     }
 }
 
-/// With three significant digits.
+/// A value with three significant digits.
 pub fn significant(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude == 0.0 {

@@ -1,4 +1,4 @@
-//! What an effect looks like: the error that it makes in a simulated flight, as a small picture.
+//! A small picture of an effect: the error that it causes in a simulated flight.
 
 use kf_core::effect::EffectId;
 use view::{Chart, Moment, Role};
@@ -8,15 +8,15 @@ use crate::simulate::{Scenario, regressor, simulate};
 
 /// The flight that effects are shown on.
 const FLIGHT: &str = include_str!("../../../../flights/quickstart.toml");
-/// Its name.
+/// Name of that flight.
 const FLIGHT_NAME: &str = "flights/quickstart.toml";
-/// Of the largest plausible coefficient, this share is shown.
+/// Share of the largest plausible coefficient that is shown.
 const SHARE: f64 = 0.1;
-/// The time constant that effects with one are shown with, seconds.
+/// Time constant for effects that have one, seconds.
 const TIME_CONSTANT_S: f64 = 40.0;
-/// Points that are kept of a picture.
+/// Limit on the points of a picture.
 const POINTS: usize = 600;
-/// Lines of the charts as text.
+/// Height of the charts as text, lines.
 const DOWN: usize = 8;
 const DOWN_ALTITUDE: usize = 4;
 
@@ -25,21 +25,20 @@ const DOWN_ALTITUDE: usize = 4;
 pub struct Picture {
     /// The effect.
     pub effect: EffectId,
-    /// The coefficient that it is shown with, in the effect's own unit.
+    /// The coefficient shown, in the effect's own unit.
     pub coefficient: f64,
     /// When the aircraft was launched, seconds.
     pub launch_s: f64,
-    /// Seconds.
+    /// Time of each point, seconds.
     pub time_s: Vec<f64>,
     /// The altitude, metres.
     pub altitude_m: Vec<f64>,
-    /// What the effect adds, metres, without its mean before the launch: that is what the calibration takes
-    /// off.
+    /// The error that the effect adds, metres, less its mean before launch, which the calibration removes.
     pub error_m: Vec<f64>,
 }
 
 impl Picture {
-    /// Flies it; `None` for an effect that the simulator does not have, which the tests do not let be.
+    /// Flies the effect; `None` for one that the simulator lacks, which the tests rule out.
     #[must_use]
     pub fn of(effect: EffectId) -> Option<Self> {
         let id = scenario::EffectId::ALL.iter().copied().find(|id| id.name() == effect.name())?;
@@ -49,7 +48,7 @@ impl Picture {
         let injected = Effect {
             id,
             coefficient,
-            // An inertial altitude is aligned until the launch.
+            // An inertial altitude is aligned until launch.
             phase: if effect.name().starts_with("imu.") {
                 InjectionPhase::Free
             } else {
@@ -88,13 +87,13 @@ impl Picture {
         format!(
             "A simulated flight ({FLIGHT_NAME}), not a measured one, with a coefficient of {}{unit}{tau}; launch at {:.0} s. \
              What the calibration before the launch takes off is taken off.",
-            // Three digits of a plausible coefficient, written as short as they can be.
+            // The coefficient to three digits, written as short as possible.
             format!("{:.2e}", self.coefficient).parse::<f64>().unwrap_or(self.coefficient),
             self.launch_s
         )
     }
 
-    /// The sensor whose altitude is wrong.
+    /// The sensor whose altitude has the error.
     #[must_use]
     pub fn subject(&self) -> &'static str {
         self.effect.subject().name()
@@ -145,7 +144,7 @@ mod tests {
             let twin = seen
                 .iter()
                 .find(|(_, other)| other.iter().zip(&shape).all(|(one, other)| (one - other).abs() < 1e-3));
-            // Those differ in whose altitude is wrong.
+            // These effects differ only in whose altitude has the error.
             let name = effect.name();
             assert!(
                 twin.is_none() || ["gps.latency", "imu.velocity_error", "gps.convergence"].contains(&name),
@@ -158,7 +157,8 @@ mod tests {
         }
     }
 
-    /// A lag is too low in climbs and too high in descents, by the lag times the climb rate.
+    /// A barometer that lags reads too low in climbs and too high in descents, by the lag times the climb
+    /// rate.
     #[test]
     fn a_lag_is_low_in_climbs_and_high_in_descents() {
         let picture = Picture::of(EffectId::BaroLag).unwrap();

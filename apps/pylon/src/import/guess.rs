@@ -1,4 +1,4 @@
-//! Drafts of mappings ([`formats::import::guess`]), from files.
+//! Drafts mappings ([`formats::import::guess`]) from files.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use super::mapping::{Fault, MappedError};
 /// Drafts a mapping of a log.
 ///
 /// # Errors
-/// [`MappedError`] for what is no table of numbers.
+/// [`MappedError`] for a file that is not a table of numbers.
 pub fn guess_file(log: &Path) -> Result<Draft, MappedError> {
     let file = || log.to_path_buf();
     formats::import::guess::guess_log(&super::read(log)?).map_err(|fault| match fault {

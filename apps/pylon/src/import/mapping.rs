@@ -1,4 +1,4 @@
-//! Tables of numbers by a mapping ([`formats::import::mapping`]), from files.
+//! Imports tables of numbers by a mapping ([`formats::import::mapping`]), from files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,13 +12,13 @@ pub use formats::import::mapping::{
 use super::{Corrections, ImportError};
 use crate::flight::{Flight, Note, Problem, ReadError};
 
-/// Why a log could not be read by a mapping, or no mapping be drafted; displays as one line.
+/// Why a log could not be read by a mapping, or a mapping not be drafted; displays as one line.
 #[derive(Debug, Error)]
 pub enum MappedError {
-    /// The log cannot be read, or cannot be turned.
+    /// The log cannot be read, or a velocity in it cannot be inverted.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The log is no table that can be used.
+    /// The log is not a usable table.
     #[error("{}: {problem}", file.display())]
     Log {
         /// The log.
@@ -27,7 +27,7 @@ pub enum MappedError {
         #[source]
         problem: TableError,
     },
-    /// The mapping is wrong, by itself or for this log.
+    /// The mapping is wrong, in itself or for this log.
     #[error("{}: {problem}", file.display())]
     Mapping {
         /// The mapping.
@@ -41,7 +41,7 @@ pub enum MappedError {
 /// Imports a table by a mapping file.
 ///
 /// # Errors
-/// [`MappedError`], which names the file that is wrong.
+/// [`MappedError`], which names the faulty file.
 pub fn import_file(
     log: &Path,
     mapping: &Path,

@@ -1,4 +1,4 @@
-//! Logs of other programs ([`formats::import`]), from files.
+//! Imports logs of other programs ([`formats::import`]) from files.
 
 pub mod guess;
 pub mod mapping;
@@ -24,7 +24,7 @@ pub fn import_file(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
     import_file_corrected(path, &Corrections::default())
 }
 
-/// Imports a log and corrects columns, by their names; with a correction, a flight's CSV too.
+/// Imports a log and corrects the named columns; with a correction, also accepts a flight CSV.
 ///
 /// # Errors
 /// As [`import_file`]; as [`formats::import::correct_and_check`].
@@ -44,7 +44,7 @@ pub fn import_file_corrected(
         let is_table = matches!(error, ImportError::UnknownFormat) && mapping::is_table(&log);
         if is_table { ImportError::Table { file: path.display().to_string() } } else { error }
     });
-    // The checks need memory of their own, and no byte of the log any more.
+    // The checks need memory of their own, and the log's bytes are no longer needed.
     drop(log);
     imported
         .and_then(|(mut flight, mut notes)| {
@@ -54,7 +54,7 @@ pub fn import_file_corrected(
         .map_err(|error| ReadError::new(path, error.into()))
 }
 
-/// Reads a flight: its CSV, or any log that can be imported.
+/// Reads a flight from its CSV, or from any log that can be imported.
 ///
 /// # Errors
 /// [`Problem::Io`](crate::flight::Problem::Io); as [`formats::import::open`].
@@ -64,7 +64,7 @@ pub fn open(path: &Path) -> Result<(Flight, Vec<Note>), ReadError> {
         .map_err(|error| ReadError::new(path, error.into()))
 }
 
-/// What kind of file one is that [`open`] reads, in the words of who has it.
+/// The format of a file that [`open`] reads, in its user's terms.
 ///
 /// # Errors
 /// [`Problem::Io`](crate::flight::Problem::Io).
@@ -72,7 +72,7 @@ pub fn format_name(path: &Path) -> Result<&'static str, ReadError> {
     Ok(formats::import::format_name(&read(path)?))
 }
 
-/// Whether a file is one that [`open`] knows how to read: a flight's CSV or a log, by what is in it.
+/// Whether [`open`] can read a file: a flight CSV or a log, detected from its content.
 ///
 /// # Errors
 /// [`Problem::Io`](crate::flight::Problem::Io).

@@ -1,4 +1,4 @@
-//! Adding an effect to a model: [`analysis::learn`] with the machine's threads, and its text.
+//! Adding an effect to a model: [`analysis::learn`] run on the machine's threads, and its text.
 
 mod text;
 
@@ -9,8 +9,8 @@ pub use text::{addition_text, ladder_text};
 use crate::diagnose::endless;
 use crate::threads::Threads;
 
-/// Learns an effect's coefficient and makes the model's new text; writes nothing. `progress` is called once a
-/// fit.
+/// Learns an effect's coefficient and returns the model's new text; writes nothing. `progress` is called once
+/// a fit.
 ///
 /// # Errors
 /// See [`AddError`].

@@ -6,7 +6,7 @@ use view::Table;
 
 use analysis::learn::{Addition, FlightChange, JudgedOn, Ladder, SensorScore};
 
-/// Writing a line to a string, which cannot fail.
+/// Writes a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);
@@ -22,7 +22,7 @@ fn flag(after_s: Option<f64>) -> String {
     after_s.map_or_else(|| "never".to_owned(), |after_s| format!("{after_s:.1}"))
 }
 
-/// What was added to which file.
+/// Reports what was added to which file.
 #[must_use]
 pub fn addition_text(addition: &Addition, file: &str) -> String {
     let mut out = String::new();
@@ -73,7 +73,7 @@ pub fn addition_text(addition: &Addition, file: &str) -> String {
     out
 }
 
-/// What was held out, by its raw errors and by its likelihood.
+/// The result on held-out data: raw errors and likelihood.
 fn held_out(addition: &Addition) -> String {
     let mut out = String::new();
     let verdict = &addition.held_out_verdict;
@@ -132,7 +132,7 @@ fn add_rows(rows: &mut Table, kind: &str, flight: &FlightChange) {
     }
 }
 
-/// Every revision on every flight.
+/// The results of every revision on every flight.
 #[must_use]
 pub fn ladder_text(ladder: &Ladder) -> String {
     let mut out = String::new();

@@ -1,5 +1,4 @@
-//! What is in a log, in the words of who flew it: `pylon open`, which is [`analysis::overview`], and its
-//! text.
+//! What a log contains, in its pilot's terms: `pylon open`, which is [`analysis::overview`], and its text.
 
 mod text;
 

@@ -6,21 +6,21 @@ use super::{AirborneTime, Overview, SensorState};
 use crate::flight::AltitudeDatum;
 use crate::replay::clock;
 
-/// Writing a line to a string, which cannot fail.
+/// Writes a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);
     }};
 }
 
-/// The overview in plain words.
+/// The overview in plain English.
 #[must_use]
 pub fn text(overview: &Overview) -> String {
     let mut out = String::new();
     let Overview { file, format, vehicle, .. } = overview;
     let of = if vehicle.is_empty() { String::new() } else { format!(", {vehicle}") };
     put!(out, "{file}: {format}{of}");
-    // What nothing below makes up for comes first.
+    // A problem that makes the flight unusable or doubtful comes first.
     if let Some(why) = overview.refused.as_ref().or(overview.barometer_fault.as_ref()) {
         let what = if overview.refused.is_some() { "not usable:" } else { "beware:" };
         put!(out, "  {what:<11} {why}");
@@ -40,8 +40,8 @@ pub fn text(overview: &Overview) -> String {
     if overview.refused.is_none() {
         let used = |share: f64| format!("{:.1} %", 100.0 * share);
         let (compared, diagnosed) = (used(overview.usage.used_share), overview.diagnosed_share.map(used));
-        // A diagnosis estimates the biases beside everything else, so that what was flown before a
-        // calibration counts too.
+        // A diagnosis estimates the biases along with everything else, so it also uses what was flown before
+        // a calibration.
         match diagnosed.filter(|diagnosed| *diagnosed != compared) {
             Some(diagnosed) => {
                 put!(out, "  used       {compared} of the log by compare, {diagnosed} by diagnose")
@@ -113,7 +113,7 @@ fn flights(out: &mut String, overview: &Overview) {
     }
 }
 
-/// What is between two flights without a landing of the one or a take-off of the other is a long gap.
+/// A missing landing or take-off between two flights means a long gap in the log.
 fn ends(interval: &AirborneTime, is_first: bool, is_last: bool) -> String {
     let take_off = interval.take_off_s.map_or_else(
         || {

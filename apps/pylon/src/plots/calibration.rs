@@ -8,7 +8,7 @@ use super::envelope::{outline, span};
 use super::figure::figure;
 use crate::compare::{Comparison, EstimateTrace, Traces};
 
-/// The first part of the flight in which the band may leave the diagram: there it is the prior's.
+/// The first share of the flight, in which the band may leave the diagram because it is still the prior's.
 const PRIOR_SHARE: f64 = 0.04;
 
 pub(super) fn draw(comparison: &Comparison, traces: &Traces) -> Option<Result<String, DrawingError>> {

@@ -1,4 +1,4 @@
-//! What an effect looks like.
+//! Draws an effect's picture.
 
 use view::svg::{Legends, sheet, stack};
 

@@ -1,10 +1,10 @@
-//! A long series of a flight as curves of a diagram.
+//! Draws a long series of a flight as curves of a diagram.
 
 use std::ops::Range;
 
 use crate::compare::{Envelope, Slot};
 
-/// The least and the greatest values, slot by slot; times by `seconds`.
+/// The least and the greatest values, slot by slot; `seconds` converts the times.
 pub(super) fn edges(envelope: &Envelope, seconds: impl Fn(u64) -> f64) -> [Vec<(f64, f64)>; 2] {
     let edge = |value: fn(&Slot) -> f32| -> Vec<(f64, f64)> {
         envelope.slots().iter().map(|slot| (seconds(slot.time_us), f64::from(value(slot)))).collect()
@@ -12,8 +12,8 @@ pub(super) fn edges(envelope: &Envelope, seconds: impl Fn(u64) -> f64) -> [Vec<(
     [edge(|slot| slot.least), edge(|slot| slot.greatest)]
 }
 
-/// The envelope as one line that touches the least and the greatest value of every slot; times by
-/// `seconds`.
+/// The envelope as one line that touches the least and the greatest value of every slot; `seconds` converts
+/// the times.
 pub(super) fn outline(envelope: &Envelope, seconds: impl Fn(u64) -> f64) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     for slot in envelope.slots() {
@@ -33,7 +33,7 @@ pub(super) fn outline(envelope: &Envelope, seconds: impl Fn(u64) -> f64) -> Vec<
     points
 }
 
-/// First and last time of several envelopes, in seconds.
+/// First and last time of several envelopes; `seconds` converts them.
 pub(super) fn span<'a>(
     envelopes: impl Iterator<Item = &'a Envelope>,
     seconds: impl Fn(u64) -> f64,

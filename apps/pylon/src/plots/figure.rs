@@ -1,11 +1,11 @@
-//! A figure of a flight: what every one of them says above its panels.
+//! A figure of a flight, with the heading that all figures share.
 
 use view::Chart;
 use view::svg::{DrawingError, Legends, sheet, stack};
 
 use crate::compare::Comparison;
 
-/// Draws a figure: a title, where the data come from, and the diagrams, one above the other.
+/// Draws a figure: a title, the source of the data, and the diagrams, one above the other.
 pub(super) fn figure(
     title: &str,
     comparison: &Comparison,
@@ -15,7 +15,7 @@ pub(super) fn figure(
     sheet(title, subtitles(comparison), &stack(charts, legends))
 }
 
-/// Flight and model, and where the data come from: a figure says whether they were measured.
+/// Flight, model and the source of the data: a figure states whether they were measured.
 fn subtitles(comparison: &Comparison) -> [String; 2] {
     let flight = &comparison.flight;
     let file = std::path::Path::new(&flight.file)

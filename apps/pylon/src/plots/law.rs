@@ -1,4 +1,4 @@
-//! What a law looks like: measured against law, and what it leaves against each of its signals.
+//! Draws a law: measured against law, and the remainder against each of its signals.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use view::svg::{BLUE, DrawingError, GREY, Layer, ORANGE, PALE_BLUE, Panel, range
 use super::PlotError;
 use crate::output_file::write_atomically;
 
-/// Bins of a diagram, with as many blocks in each.
+/// Bins of a diagram, each with the same number of blocks.
 const BINS: usize = 24;
-/// A bin's band has the middle 80 % of its blocks: so much is left out on either side.
+/// A bin's band holds the middle 80 % of its blocks: this share is left out on each side.
 const OUTSIDE: f64 = 0.1;
 
-/// Draws `law-1.svg` and so on into `directory`, which is made if need be, and says which files were written.
-/// All are drawn before the first is written.
+/// Draws `law-1.svg` and so on into `directory`, which is made if need be, and returns the files written. All
+/// are drawn before the first is written.
 ///
 /// # Errors
 /// [`PlotError`].
@@ -68,9 +68,9 @@ fn draw_law(discovery: &Discovery, law: &FoundLaw, number: usize) -> Result<Stri
     sheet(&title, lines, &panels)
 }
 
-/// Blocks in bins of as many each, by the quantity of the horizontal axis.
+/// Blocks in bins of equal count, ordered by the quantity of the horizontal axis.
 struct Binned {
-    /// Of each bin: mean of both, and the inner range of the vertical.
+    /// For each bin: the means of both quantities, and the inner range of the vertical one.
     bins: Vec<(f64, f64, [f64; 2])>,
 }
 
@@ -84,7 +84,7 @@ impl Binned {
             .collect();
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         let size = pairs.len().div_ceil(BINS).max(1);
-        // What has the same place is one bin: a flap that is in is in one place.
+        // Blocks at the same place share a bin: a retracted flap, for example, is always at one place.
         let mut bins = Vec::new();
         let mut rest = pairs.as_slice();
         while let Some(last) = rest.get(size.min(rest.len()).wrapping_sub(1)) {

@@ -54,8 +54,8 @@ pub const RESIDUALS: &str = "figure-3-residuals.svg";
 /// Figure 4: the errors in free flight.
 pub const FREE_FLIGHT: &str = "figure-4-free-flight.svg";
 
-/// Draws the figures that the flight has data for into `directory`, which is made if need be, and
-/// says which files were written. All are drawn before the first is written.
+/// Draws the figures that the flight has data for into `directory`, which is made if need be, and returns the
+/// files written. All are drawn before the first is written.
 ///
 /// # Errors
 /// [`PlotError`].

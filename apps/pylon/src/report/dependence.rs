@@ -1,13 +1,13 @@
-//! How a sensor's error goes with one signal: dots, and their mean and spread by bin.
+//! How a sensor's error depends on one signal: dots, and their mean and spread by bin.
 
 use view::{Chart, Role, Values};
 
 use super::signals::Signal;
 use super::table::rounded;
 
-/// Dots drawn at most; the figures are of all blocks.
+/// Limit on the dots drawn; the computed values use all blocks.
 const MOST_DOTS: usize = 600;
-/// Blocks in a bin at least, and bins at most.
+/// Least number of blocks in a bin, and largest number of bins.
 const SMALLEST_BIN: usize = 8;
 const MOST_BINS: usize = 20;
 
@@ -17,11 +17,11 @@ pub(super) struct Dependence {
     /// The signal, with its unit.
     pub(super) name: String,
     /// Share of the error's variance that lies between the bins' means, corrected for their number: 0 if the
-    /// error does not go with the signal, 1 if the signal says all of it.
+    /// error does not depend on the signal, 1 if the signal explains all of it.
     pub(super) share: f64,
-    /// Block by block, by rising signal.
+    /// Signal and error of every block, by rising signal.
     pairs: Vec<(f64, f64)>,
-    /// By rising signal.
+    /// The bins, by rising signal.
     bins: Vec<Bin>,
 }
 
@@ -33,8 +33,8 @@ struct Bin {
 }
 
 impl Dependence {
-    /// Of an error on a signal, block by block; `None` where there are too few blocks, or the signal stays
-    /// the same.
+    /// The dependence of an error on a signal, block by block; `None` if there are too few blocks, or the
+    /// signal is constant.
     pub(super) fn of(error_m: &[Option<f64>], signal: &Signal) -> Option<Self> {
         let mut pairs: Vec<(f64, f64)> =
             signal.values.iter().zip(error_m).filter_map(|(x, y)| Some(((*x)?, (*y)?))).collect();
@@ -44,7 +44,7 @@ impl Dependence {
         if bins < 2 || highest - lowest <= 1e-9 * highest.abs().max(lowest.abs()) {
             return None;
         }
-        // As many blocks in each, so that every mean is equally sure.
+        // The same number of blocks in each bin, so that all means are equally certain.
         let bins: Vec<Bin> = (0..bins)
             .filter_map(|index| {
                 let bin = pairs.get(pairs.len() * index / bins..pairs.len() * (index + 1) / bins)?;
@@ -98,7 +98,7 @@ impl Dependence {
     }
 }
 
-/// Five significant digits: signals have units of every size.
+/// Five significant digits, because signals have units of every size.
 fn significant(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return 0.0;
@@ -107,7 +107,7 @@ fn significant(value: f64) -> f64 {
     (value * scale).round() / scale + 0.0
 }
 
-/// Correlation ratio, squared, corrected for the number of bins as Ezekiel's adjusted R^2 is.
+/// Squared correlation ratio, corrected for the number of bins as Ezekiel's adjusted R^2 is.
 fn share(pairs: &[(f64, f64)], bins: usize) -> f64 {
     let count = pairs.len() as f64;
     let mean = pairs.iter().map(|pair| pair.1).sum::<f64>() / count;

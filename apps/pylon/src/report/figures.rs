@@ -7,12 +7,13 @@ use super::recording::{AVERAGE, ERROR, MEASURED, MODELLED, Recording, SIGMA, VAL
 use super::table::{Table, rounded};
 use crate::compare::{Comparison, SensorComparison};
 
-/// The first part of captive flight, in which an estimate's sigma is the prior's: its axis starts later.
+/// The first share of captive flight, in which an estimate's sigma is still the prior's: its axis starts
+/// later.
 const PRIOR_SHARE: f64 = 0.04;
 
 const TIME: &str = "time, s";
 
-/// A diagram's place in the page, and the diagram.
+/// The diagrams of one figure.
 pub(super) type Drawn = Vec<Chart>;
 
 /// The estimated parameters over captive flight (the paper's Figure 2).
@@ -90,8 +91,8 @@ pub(super) fn free_flight(flight: &str, recording: &Recording, comparison: &Comp
         .collect()
 }
 
-/// For each sensor its reading and the model's prediction of it, and below the difference, over the whole
-/// flight; where the model fails is shaded.
+/// For each sensor its reading and the model's prediction of it, and below them the difference, over the
+/// whole flight. Where the model fails is shaded.
 pub(super) fn measured(
     flight: &str,
     recording: &Recording,
@@ -113,7 +114,7 @@ pub(super) fn measured(
         }
         chart
     };
-    // What stays with the mother ship comes last.
+    // Sensors that stay with the mother ship come last.
     let mut sensors = Sensor::ALL;
     sensors.sort_by_key(|sensor| !sensor.flies_free());
     let present = sensors.into_iter().filter_map(|sensor| Some((sensor, found(comparison, sensor)?)));
@@ -144,7 +145,7 @@ pub(super) fn measured(
         .collect()
 }
 
-/// The sensors that fly free, with what was found of them.
+/// The sensors that fly free, with their results.
 pub(super) fn free_sensors(comparison: &Comparison) -> impl Iterator<Item = (Sensor, &SensorComparison)> {
     let free = Sensor::ALL.into_iter().filter(|sensor| sensor.flies_free());
     free.filter_map(|sensor| Some((sensor, found(comparison, sensor)?)))
@@ -167,7 +168,7 @@ fn flags(sensor: &SensorComparison) -> Vec<Moment> {
     .collect()
 }
 
-/// The worst stretches of a sensor.
+/// The stretches in which the model is worst for a sensor.
 fn failing(comparison: &Comparison, sensor: Sensor) -> Vec<Shade> {
     let worst = comparison.failures.worst.iter().filter(|stretch| stretch.sensor == sensor.name());
     worst

@@ -6,12 +6,12 @@ use view::{Chart, Role, Values};
 use super::table::rounded;
 use crate::learn::{Ladder, LadderRevision, SensorScore};
 
-/// With more revisions than this their names would run into each other.
+/// Limit on the revisions whose names are shown: with more they would overlap.
 const MOST_NAMES: usize = 6;
-/// Room beside the first and the last revision.
+/// Margin beside the first and the last revision.
 const MARGIN: f64 = 0.3;
 
-/// A revision, and the scores of those sensors that flew free.
+/// A revision, and the scores of the sensors that flew free.
 pub(super) type Step<'a> = (&'a LadderRevision, Vec<(&'a str, &'a SensorScore)>);
 
 /// One flight of the ladder.
@@ -21,11 +21,11 @@ pub(super) struct LadderFlight<'a> {
     pub(super) file: &'a str,
     /// Every revision, oldest first.
     pub(super) steps: Vec<Step<'a>>,
-    /// The rms errors, where there is more than one revision and a sensor flew free.
+    /// The rms errors, if there is more than one revision and a sensor flew free.
     pub(super) chart: Option<Chart>,
 }
 
-/// Flight by flight, in the ladder's order.
+/// The ladder flight by flight, in its own order.
 pub(super) fn flights(ladder: &Ladder) -> Vec<LadderFlight<'_>> {
     let Some(first) = ladder.revisions.first() else { return Vec::new() };
     first
@@ -92,7 +92,7 @@ fn chart(flight: usize, steps: &[Step<'_>]) -> Option<Chart> {
             line.knots = true;
         }
     }
-    // From nothing, so that heights are errors.
+    // The axis starts at zero, so that heights are proportional to errors.
     chart.y_range = Some([0.0, rounded(1.1 * greatest.max(1e-3))]);
     Some(chart)
 }
@@ -134,7 +134,7 @@ mod tests {
         let names: Vec<&str> = chart.x_ticks.iter().map(|(_, name)| name.as_str()).collect();
         assert_eq!(names, ["at first", "1: baro.lag", "3"]);
         assert_eq!(chart.y_range, Some([0.0, 4.4]));
-        // It was never launched.
+        // This flight had no launch.
         assert!(b.chart.is_none() && b.steps.iter().all(|(_, scores)| scores.is_empty()));
         assert_eq!(b.file, "b.csv");
 

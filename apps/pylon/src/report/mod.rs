@@ -1,7 +1,7 @@
-//! `pylon report`: flights, where the model holds and where it fails, as one page to look at.
+//! `pylon report`: one page that shows flights, where the model holds and where it fails.
 //!
-//! The page is one HTML file that needs no network: style, uPlot and all data are in it. Long flights are
-//! thinned out (least, greatest and mean of each slot of time), so that it stays small.
+//! The page is one HTML file that needs no network: it contains the style, uPlot and all data. Long flights
+//! are thinned out (least, greatest and mean of each time slot), so that it stays small.
 
 mod dependence;
 mod figures;
@@ -27,28 +27,27 @@ use signals::{Blocks, signals};
 pub use page::file_name;
 pub use view::{Band, Chart, Level, Line, Moment, Role, Shade, Values};
 
-/// What the page says of one flight.
+/// What the page shows of one flight.
 #[derive(Clone, Debug)]
 pub struct FlightReport {
-    /// Its place in the page.
+    /// Its id in the page.
     id: String,
     comparison: Comparison,
     calibration: Vec<Chart>,
     residuals: Vec<Chart>,
     free_flight: Vec<Chart>,
-    /// By sensor.
+    /// Measured against modelled, by sensor.
     measured: Vec<(&'static str, Vec<Chart>)>,
     dependences: Vec<SensorDependences>,
-    /// Whether its diagrams are in the page.
+    /// Whether its diagrams are on the page.
     is_drawn: bool,
 }
 
-/// Slots of time of a chart's series: four times the pixels of a wide chart, so that a zoom has something to
-/// show.
+/// Time slots of a chart's series: four times the pixels of a wide chart, so that zooming in shows more.
 pub const TRACE_SLOTS: usize = 6_000;
 
-/// Flights that a page has diagrams of; of more, the oddest and the worst. An hour's diagrams take 1.7 MB,
-/// and a page that is mailed at most 5.
+/// Limit on the flights with diagrams on a page: the oddest and the worst. The diagrams of an hour take 1.7
+/// MB, and a page that is mailed should take at most 5.
 pub const MOST_DRAWN: usize = 2;
 
 /// A sensor's error against every signal of the flight.
@@ -57,13 +56,13 @@ struct SensorDependences {
     sensor: &'static str,
     /// Length of the blocks that were averaged over, seconds.
     block_s: f64,
-    /// By falling share, with that share.
+    /// The charts and their shares, by falling share.
     charts: Vec<(f64, Chart)>,
-    /// Names of the signals that did not change enough to tell.
+    /// Names of the signals that did not change enough to show a dependence.
     quiet: Vec<String>,
 }
 
-/// All that a page is made of.
+/// All inputs of a page.
 #[derive(Clone, Copy, Debug)]
 pub struct Report<'a> {
     /// The flights, in the user's order.
@@ -72,16 +71,16 @@ pub struct Report<'a> {
     pub model: &'a Model,
     /// Its name: a preset or a file.
     pub model_name: &'a str,
-    /// What the model lacks, by all the flights together.
+    /// What the model lacks, according to all flights together.
     pub diagnosis: &'a Diagnosis,
-    /// Every revision of the model on the flights, and on those that were held out.
+    /// Every revision of the model on the flights and on the held-out ones.
     pub ladder: &'a Ladder,
-    /// The flights one by one, of several.
+    /// The flights one by one, if there are several.
     pub batch: Option<&'a Batch>,
 }
 
 impl FlightReport {
-    /// Gathers what is drawn. `index` tells the flights of one page apart; `comparison` and `traces` are
+    /// Gathers what is drawn. `index` distinguishes the flights of one page; `comparison` and `traces` are
     /// those of the replay, the traces with [`TRACE_SLOTS`].
     #[must_use]
     pub fn new(index: usize, replay: &Replay<'_>, comparison: Comparison, traces: &Traces) -> Self {
@@ -105,7 +104,7 @@ impl FlightReport {
         sensors.filter_map(|sensor| sensor.free_flight_rms_m).fold(0.0, f64::max)
     }
 
-    /// Takes the diagrams away.
+    /// Removes the diagrams.
     fn undraw(&mut self) {
         self.is_drawn = false;
         self.calibration.clear();
@@ -128,16 +127,16 @@ impl FlightReport {
             .chain(dependences)
     }
 
-    /// The comparison that the flight's words are taken from.
+    /// The comparison that the flight's text is taken from.
     #[must_use]
     pub const fn comparison(&self) -> &Comparison {
         &self.comparison
     }
 }
 
-/// Of more than [`MOST_DRAWN`] flights, keeps the diagrams of those that do not belong with the others
-/// (`odd`), and of those with the largest errors. A page that draws forty flights alike is one that nobody
-/// reads, or can open.
+/// If there are more than [`MOST_DRAWN`] flights, keeps only the diagrams of those that do not belong with
+/// the others (`odd`) and of those with the largest errors. A page with diagrams of forty similar flights
+/// would be unreadable, and too large to open.
 pub fn keep_most_telling(flights: &mut [FlightReport], odd: &[&str]) {
     let mut order: Vec<usize> = (0..flights.len()).collect();
     let rank = |place: &usize| {
@@ -164,7 +163,8 @@ impl Report<'_> {
     }
 }
 
-/// Of the sensors that fly free in free flight; of all in captive flight, where there was no launch.
+/// Dependences of the sensors that fly free, in free flight; without a launch, of all sensors in captive
+/// flight.
 fn dependences(
     flight: &str,
     replay: &Replay<'_>,

@@ -1,4 +1,4 @@
-//! A flight's traces as the tables that its charts are drawn from.
+//! A flight's traces as the tables from which its charts are drawn.
 
 use kf_core::sensor::{SENSORS, Sensor};
 
@@ -11,14 +11,14 @@ pub(super) const MEASURED: usize = 0;
 pub(super) const MODELLED: usize = 1;
 /// See [`MEASURED`].
 pub(super) const ERROR: usize = 2;
-/// Columns of an estimate, and of errors.
+/// Columns of an estimate or an error.
 pub(super) const VALUE: usize = 0;
 /// See [`VALUE`].
 pub(super) const SIGMA: usize = 1;
-/// Column of a sensor in free flight, beside [`VALUE`], its error.
+/// Column of the moving average in free flight; the error itself is [`VALUE`].
 pub(super) const AVERAGE: usize = 1;
 
-/// What the charts of a flight are drawn from. Metres, and times by the flight's own clock.
+/// The data from which a flight's charts are drawn. Lengths in metres, times by the flight's own clock.
 #[derive(Clone, Debug)]
 pub(super) struct Recording {
     /// When the UAV was launched, microseconds.
@@ -33,12 +33,12 @@ pub(super) struct Recording {
     pub(super) captive_error: [Table; SENSORS],
     /// Errors and their moving averages in free flight.
     pub(super) free_error: [Table; SENSORS],
-    /// Reading, the model's prediction of it, and the difference, over both.
+    /// Reading, the model's prediction of it, and the difference, over the whole flight.
     pub(super) whole: [Table; SENSORS],
 }
 
 impl Recording {
-    /// Of a comparison's traces.
+    /// The recording of a comparison's traces.
     pub(super) fn of(traces: &Traces, comparison: &Comparison) -> Self {
         let estimate = |EstimateTrace { value_m, sigma_m }: &EstimateTrace| Table::of(&[value_m, sigma_m]);
         let against_model = |ModelTrace { measured_m, modelled_m, error_m }: &ModelTrace| {

@@ -1,4 +1,4 @@
-//! What a residual may hang on: the flight's signals, block by block.
+//! What a residual may depend on: the flight's signals, block by block.
 
 use crate::flight::{Channel, Column, Flight};
 use Channel::{
@@ -10,7 +10,7 @@ use kf_core::atmosphere::STANDARD_GRAVITY_MPS2;
 
 const GRAVITY_MPS2: f64 = STANDARD_GRAVITY_MPS2 as f64;
 
-/// Equal parts of a stretch of flight.
+/// A stretch of flight divided into equal blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Blocks {
     start_s: f64,
@@ -19,9 +19,9 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// Shortest block: sensors' and signals' own times differ by less, seconds.
+    /// Shortest block, seconds: longer than the differences between the sensors' and the signals' times.
     const SHORTEST_S: f64 = 0.5;
-    /// Most blocks.
+    /// Limit on the number of blocks.
     const MOST: f64 = 2_000.0;
 
     /// Blocks of the stretch between two times, seconds.
@@ -41,7 +41,7 @@ impl Blocks {
         (0..self.count).map(|index| Some((index as f64 + 0.5) * self.length_s)).collect()
     }
 
-    /// Means by block of timed values; what is not finite is left out.
+    /// Means of timed values by block; values that are not finite are left out.
     pub(super) fn means(&self, values: impl Iterator<Item = (f64, f64)>) -> Vec<Option<f64>> {
         let mut sums = vec![(0.0, 0_u32); self.count];
         for (time_s, value) in values {
@@ -61,7 +61,7 @@ impl Blocks {
 /// A signal of a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Signal {
-    /// In words.
+    /// Its name, in words.
     pub(super) name: String,
     /// Its unit; empty for none.
     pub(super) unit: &'static str,
@@ -69,7 +69,7 @@ pub(super) struct Signal {
     pub(super) values: Vec<Option<f64>>,
 }
 
-/// A signal made of one or more channels' cells of one row.
+/// A signal computed from the cells of one or more channels in one row.
 struct Source {
     name: &'static str,
     unit: &'static str,

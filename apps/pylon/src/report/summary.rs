@@ -1,20 +1,20 @@
-//! What there is to say about a flight, for somebody who never saw Pylon.
+//! A flight's summary, for a reader who does not know Pylon.
 
 use crate::compare::text::number::{metres, seconds, signed_m};
 use crate::compare::words::Words;
 use crate::compare::{Comparison, SensorComparison, Stretch};
 
-/// How a sensor came out, in one word and its explanation.
+/// A sensor's final trust, with an explanation.
 pub(super) struct Outcome {
-    /// The word that `trust` has in Pylon.
+    /// Pylon's word for this `trust`.
     pub(super) word: &'static str,
-    /// A sign that tells them apart without colour.
+    /// A sign that distinguishes the outcomes without colour.
     pub(super) sign: &'static str,
-    /// What it means.
+    /// Its meaning.
     pub(super) meaning: &'static str,
 }
 
-/// The outcome that a sensor's trust at the flight's end is.
+/// The outcome for a sensor's trust at the flight's end.
 pub(super) fn outcome(trust: &str) -> Outcome {
     let (word, sign, meaning) = match trust {
         "trusted" => ("trusted", "✓", "its error never passed the bound"),
@@ -26,7 +26,7 @@ pub(super) fn outcome(trust: &str) -> Outcome {
     Outcome { word, sign, meaning }
 }
 
-/// What became of the calibration.
+/// The result of the calibration.
 pub(super) fn calibration(comparison: &Comparison) -> String {
     let facts = &comparison.calibration;
     let length = seconds(facts.duration_s);
@@ -44,7 +44,7 @@ pub(super) fn calibration(comparison: &Comparison) -> String {
     }
 }
 
-/// What a sensor did, in sentences.
+/// A sensor's behaviour, in sentences.
 pub(super) fn sensor(name: &str, found: &SensorComparison, comparison: &Comparison) -> Vec<String> {
     let mut said = Vec::new();
     let words = comparison.words();

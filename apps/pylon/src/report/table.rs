@@ -1,18 +1,18 @@
-//! Traces of a flight as the columns of a chart, over places in time that they share.
+//! Traces of a flight as the columns of a chart, at common times.
 
 use crate::compare::{Envelope, Slot};
 
-/// Some traces over their common places.
+/// Several traces at their common times.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
-    /// Time of each place, microseconds.
+    /// The common times, microseconds.
     times_us: Vec<u64>,
-    /// The traces' slots at those places, where they have one.
+    /// Each trace's slot at each of these times, if it has one.
     series: Vec<Vec<Option<Slot>>>,
 }
 
 impl Table {
-    /// Of traces whose slots are in order of time.
+    /// The table of traces whose slots are in order of time.
     pub(super) fn of(traces: &[&Envelope]) -> Self {
         let mut rest: Vec<&[Slot]> = traces.iter().map(|trace| trace.slots()).collect();
         let mut table = Self { times_us: Vec::new(), series: vec![Vec::new(); traces.len()] };
@@ -33,28 +33,28 @@ impl Table {
         table
     }
 
-    /// Whether there is no place.
+    /// Whether the table is empty.
     pub(super) fn is_empty(&self) -> bool {
         self.times_us.is_empty()
     }
 
-    /// The places, seconds after `origin_us`.
+    /// The common times, seconds after `origin_us`.
     pub(super) fn times_s(&self, origin_us: u64) -> Vec<f64> {
         let seconds = |time_us: u64| (time_us as i64 - origin_us as i64) as f64 * 1e-6;
         self.times_us.iter().map(|time_us| rounded(seconds(*time_us))).collect()
     }
 
-    /// Least value of a trace at each place.
+    /// Least value of a trace at each time.
     pub(super) fn least(&self, series: usize) -> Vec<Option<f64>> {
         self.column(series, |slot| f64::from(slot.least))
     }
 
-    /// Greatest value of a trace at each place.
+    /// Greatest value of a trace at each time.
     pub(super) fn greatest(&self, series: usize) -> Vec<Option<f64>> {
         self.column(series, |slot| f64::from(slot.greatest))
     }
 
-    /// Mean value of a trace at each place.
+    /// Mean value of a trace at each time.
     pub(super) fn mean(&self, series: usize) -> Vec<Option<f64>> {
         self.column(series, Slot::mean)
     }
@@ -65,7 +65,7 @@ impl Table {
     }
 }
 
-/// To the millimetre and the millisecond: fewer digits to carry, and more than a diagram shows.
+/// Rounded to the millimetre or the millisecond: it saves digits, and is finer than a diagram shows.
 pub(super) fn rounded(value: f64) -> f64 {
     (value * 1e3).round() * 1e-3 + 0.0
 }

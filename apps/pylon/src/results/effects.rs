@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::VERSION;
 use crate::effect_guide::explanation;
 
-/// Some of the catalogue, or all of it.
+/// Effects of the catalogue, some or all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EffectsResult {
     /// Version of these keys.
@@ -26,7 +26,7 @@ pub struct EffectExplained {
     pub effect: Name,
     /// What it acts on: a sensor, or `gps`.
     pub on: Name,
-    /// What it is.
+    /// Description.
     pub what: String,
     /// The regressor, metres per unit of the coefficient.
     pub regressor: String,
@@ -36,14 +36,14 @@ pub struct EffectExplained {
     pub plausible: [f64; 2],
     /// Where that range comes from.
     pub source: String,
-    /// The columns that it needs.
+    /// The columns that the regressor needs.
     pub needs: Vec<Name>,
     /// What it looks like in a flight.
     pub looks_like: String,
 }
 
 impl EffectsResult {
-    /// These effects, explained.
+    /// Explains these effects.
     #[must_use]
     pub fn new(effects: &[EffectId]) -> Self {
         let explained = effects.iter().filter_map(|effect| {

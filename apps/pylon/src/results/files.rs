@@ -1,4 +1,4 @@
-//! What the commands print that write a file: where it is and what is in it.
+//! JSON results of the commands that write a file: its path and contents.
 
 use analysis::name::Name;
 use schemars::JsonSchema;
@@ -11,7 +11,7 @@ pub struct SimulateResult {
     pub version: u32,
     /// The flight's file.
     pub file: String,
-    /// The file of the truth about it.
+    /// The file of its truth.
     pub truth: String,
     /// The scenario's name.
     pub scenario: String,
@@ -36,7 +36,7 @@ pub struct ImportResult {
     pub rows: u64,
     /// Its columns, besides `time_s`.
     pub columns: Vec<Name>,
-    /// What was remarkable about the log.
+    /// Notes on the log.
     pub notes: Vec<String>,
 }
 
@@ -51,16 +51,16 @@ pub struct ExportResult {
     pub format: Name,
     /// Rows of the flight.
     pub rows: u64,
-    /// Columns, in formats that have columns of the flight's own number.
+    /// Columns, in formats whose number of columns depends on the flight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub columns: Option<usize>,
     /// Messages, in formats that have messages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub messages: Option<u64>,
-    /// Topics that the messages are on.
+    /// Topics of the messages.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub topics: Option<usize>,
-    /// What was remarkable about the input.
+    /// Notes on the input.
     pub notes: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ pub struct ReportResult {
     pub version: u32,
     /// The page.
     pub file: String,
-    /// Flights that it draws.
+    /// Flights on it.
     pub flights: usize,
     /// Its size, bytes.
     pub size_bytes: usize,

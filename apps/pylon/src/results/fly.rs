@@ -49,7 +49,7 @@ pub struct FlyDifference {
     pub first: FirstDifference,
 }
 
-/// Where two bits differ first.
+/// Where the bits differ first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FirstDifference {
     /// The tick, from 0.
@@ -82,8 +82,8 @@ impl From<&Difference> for FlyDifference {
     }
 }
 
-/// A flight whose every tick had the same bits. Costs are in instructions where QEMU flew it, in cycles where
-/// a board did.
+/// A flight on which every tick had the same bits. Costs are in instructions if QEMU flew it, in cycles if a
+/// board did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FlyAgreement {
     /// Version of these keys.
@@ -92,12 +92,12 @@ pub struct FlyAgreement {
     pub bit_for_bit: bool,
     /// Ticks flown and compared.
     pub ticks: u32,
-    /// What a tick takes, drivers and mission.
+    /// Cost of a tick, drivers and mission together.
     #[serde(flatten, deserialize_with = "analysis::json::whole")]
     pub cost: PartCost,
-    /// What each part of a tick takes, by name.
+    /// Cost of each part of a tick, by name.
     pub parts: BTreeMap<Name, PartCost>,
-    /// When the dearest tick was, seconds of the flight's clock.
+    /// When the most expensive tick was, seconds of the flight's clock.
     pub worst_time_s: f64,
     /// From one tick to the next, instructions.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -105,27 +105,27 @@ pub struct FlyAgreement {
     /// The same on a board, cycles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tick_period_cycles: Option<u32>,
-    /// How much later on its grid of 5 ms one tick began than another at most, instructions.
+    /// Largest difference between the starts of two ticks relative to their grid of 5 ms, instructions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_jitter_instructions: Option<u64>,
     /// The same on a board, cycles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_jitter_cycles: Option<u64>,
-    /// Most stack that was ever in use, bytes.
+    /// Largest stack use, bytes.
     pub stack_used_bytes: u32,
-    /// Stack there is, bytes.
+    /// Size of the stack, bytes.
     pub stack_size_bytes: u32,
     /// Flash that the image takes, bytes.
     pub flash_bytes: u64,
     /// RAM that its static variables take, bytes.
     pub static_ram_bytes: u64,
-    /// Polls of sensors that failed, the same on both.
+    /// Polls of sensors that failed; the same number on both.
     pub sensor_faults: u32,
-    /// A flight on chips; null with ideal sensors.
+    /// Facts of a flight on chips; null with ideal sensors.
     pub chips: Option<ChipsResult>,
-    /// Timer ticks at which the mission waited for its input.
+    /// Timer ticks on which the mission waited for its input.
     pub underruns: u32,
-    /// Timer ticks at which it waited for room for its results.
+    /// Timer ticks on which the mission waited for room for its results.
     pub stalls: u32,
     /// When the calibration was latched, seconds of the flight's clock; null without a launch.
     pub latched_s: Option<f64>,
@@ -133,19 +133,19 @@ pub struct FlyAgreement {
     pub log: Vec<String>,
 }
 
-/// What a tick, or a part of it, takes.
+/// Cost of a tick, or of a part of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PartCost {
     /// Mean, instructions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instructions_mean: Option<f64>,
-    /// The dearest tick's, instructions.
+    /// The most expensive tick's, instructions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instructions_worst: Option<u32>,
     /// Mean, cycles of a board.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycles_mean: Option<f64>,
-    /// The dearest tick's, cycles of a board.
+    /// The most expensive tick's, cycles of a board.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycles_worst: Option<u32>,
 }
@@ -196,19 +196,18 @@ impl From<&FlyReport> for FlyAgreement {
     }
 }
 
-/// A flight on models of the sensors' chips, with counts of what could not go through them as the flight has
-/// it.
+/// A flight on models of the sensors' chips, with counts of what could not pass through them unchanged.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ChipsResult {
     /// Rows of the flight.
     pub rows: u64,
-    /// Ticks of 5 ms that they were put on.
+    /// Ticks of 5 ms to which the rows were assigned.
     pub ticks: u64,
     /// Rows that share a tick with the row before.
     pub rows_that_share_a_tick: u64,
     /// Samples that a later one at the same tick replaced.
     pub samples_superseded: u64,
-    /// Rows before the row before them in time, not flown.
+    /// Rows earlier than the row before them, not flown.
     pub late_rows: u64,
     /// Values that are NaN or infinite.
     pub not_finite: u32,
@@ -222,7 +221,7 @@ pub struct ChipsResult {
     pub assumed_temperatures: u32,
     /// Fixes without a satellite count: 12 assumed.
     pub assumed_satellites: u32,
-    /// Fixes with a part of their velocity, which was not used.
+    /// Fixes with an incomplete velocity, which was not used.
     pub partial_velocities: u32,
     /// Fixes that were held, sent once.
     pub held_fixes: u32,
@@ -234,7 +233,7 @@ pub struct ChipsResult {
     pub untold_fixes: u32,
     /// What the planned faults did; null without any.
     pub fault: Option<Consequence>,
-    /// The latched calibration beside that of ideal sensors, by sensor; null without a launch, or with
+    /// The latched calibration compared with that of ideal sensors, by sensor; null without a launch, or with
     /// faults.
     pub agreement: Option<BTreeMap<Name, SensorAgreementResult>>,
 }

@@ -1,5 +1,4 @@
-//! What each command prints with `--json`: plain types that read back what they wrote, and their JSON
-//! schemas.
+//! JSON results of the commands (`--json`): plain types that can read what they wrote, and their schemas.
 
 mod effects;
 mod files;
@@ -23,7 +22,7 @@ pub use crate::overview::Overview;
 /// The version of the results that are defined here.
 pub const VERSION: u32 = 1;
 
-/// The commands that print JSON, each with the schema of what it prints.
+/// The commands that print JSON, each with the schema of its output.
 #[must_use]
 pub fn schemas() -> Vec<(&'static str, Schema)> {
     vec![

@@ -4,7 +4,7 @@ use std::path::Path;
 use super::*;
 use crate::flight::to_writer;
 
-/// The simulator's own, for its tests.
+/// The simulator's own test scenario.
 const SHORT: &str = include_str!("../../../../workbench/simulate/plans/short.toml");
 
 fn bytes(text: &str, seed: u64) -> Vec<u8> {
@@ -31,7 +31,7 @@ fn a_run_writes_the_flight_and_the_truth_apart_from_it() {
     let summary = run(&at("short.toml"), &at("flight.csv"), &at("truth.toml")).unwrap();
     assert_eq!((summary.seed, summary.rows, summary.launch_s), (4, 3000, Some(10.0)));
     assert_eq!(fs::read(at("flight.csv")).unwrap(), bytes(SHORT, 4));
-    // Nothing of what was injected is in the flight; all of it in the truth.
+    // The flight contains nothing of what was injected; the truth contains all of it.
     let flight = String::from_utf8(fs::read(at("flight.csv")).unwrap()).unwrap();
     assert!(!flight.contains("dynamic_pressure"));
     let truth: toml::Table = fs::read_to_string(at("truth.toml")).unwrap().parse().unwrap();
@@ -74,7 +74,7 @@ fn bundled_scenarios_fly() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             let mut scenario = load_scenario(&path).unwrap();
-            // The hour is the same after five minutes.
+            // An hour's scenario does not change after five minutes.
             scenario.captive.duration_s = scenario.captive.duration_s.min(300.0);
             simulate(&scenario, scenario.seed).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
             flown += 1;

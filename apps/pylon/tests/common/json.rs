@@ -1,4 +1,4 @@
-//! JSON of the program, held against its schema and its type.
+//! The program's JSON, checked against its schema and its type.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ pub fn checked<T: Serialize + DeserializeOwned>(command: &str, directory: &Path,
     read(command, &super::program::stdout(directory, &all))
 }
 
-/// A command's JSON as its type. It must be what the command's schema says, and what the type writes.
+/// Reads a command's JSON into its type. It must match the command's schema, and what the type writes.
 pub fn read<T: Serialize + DeserializeOwned>(command: &str, json: &str) -> T {
     let (_, schema) = schemas().into_iter().find(|(name, _)| *name == command).unwrap();
     let validator = jsonschema::validator_for(schema.as_value()).unwrap();

@@ -1,4 +1,4 @@
-//! A made flight whose every error is known: not a measured one, and said so in its header.
+//! A generated flight whose every error is known; its header states that it is not a measured one.
 #![allow(dead_code, clippy::unwrap_used)]
 
 pub mod json;
@@ -18,7 +18,7 @@ pub const ROWS_PER_S: f64 = 50.0;
 /// Rows from one fix to the next.
 pub const ROWS_PER_FIX: usize = 10;
 
-/// What is put into a made flight.
+/// The errors and motion of a generated flight.
 pub struct Recipe {
     pub captive_s: f64,
     pub free_s: f64,
@@ -32,9 +32,9 @@ pub struct Recipe {
     pub baro_correlated: (f64, f64),
     /// White noise of a fix, 1 sigma, metres.
     pub gps_m: f64,
-    /// Error of the baro beside noise and bias, metres, by time after launch and climb rate.
+    /// Error of the baro in addition to noise and bias, metres, by time after launch and climb rate.
     pub baro_error: fn(f64, f64) -> f64,
-    /// The same of imu_slave.
+    /// The same for imu_slave.
     pub slave_error: fn(f64) -> f64,
     /// Climb rate, m/s, by time after launch.
     pub climb_mps: fn(f64) -> f64,
@@ -132,7 +132,7 @@ impl Recipe {
     }
 }
 
-/// A model file for made flights: what their sensors are.
+/// A model file for generated flights that describes their sensors.
 pub const MODEL: &str = "\
 [gps]
 sigma_m = 0.3

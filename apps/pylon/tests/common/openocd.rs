@@ -1,8 +1,8 @@
 //! A stand-in for OpenOCD with a board on its probe: QEMU runs the image, in the directory in which OpenOCD
-//! would, with the files and the exit status that OpenOCD would give it. It understands the very arguments
-//! that are given to OpenOCD and no others, and fails as OpenOCD fails.
+//! would, with the files and the exit status that OpenOCD would produce. It accepts exactly the arguments
+//! that are passed to OpenOCD, and fails as OpenOCD fails.
 //!
-//! What it cannot stand in for: the probe, the flash, the reset, the clocks, and how long anything takes.
+//! It does not stand in for the probe, the flash, the reset, the clocks, or the time that anything takes.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -10,23 +10,23 @@ use std::path::{Path, PathBuf};
 
 use pylon::fly::DebugLink;
 
-/// What is wrong with it.
+/// The fault of the stand-in or its board.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Trouble {
     None,
-    /// It is too old to hand on an exit status.
+    /// It is too old to pass on an exit status.
     Old,
     NoProbe,
     NoBoard,
-    /// The flash does not keep what is written.
+    /// The flash does not keep the data written.
     NotWritten,
-    /// The core stops at something that is no call of the host.
+    /// The core halts at something other than a semihosting call.
     Halted,
     /// It hangs.
     Hung,
 }
 
-/// Each argument in a line, as OpenOCD has to get them.
+/// The arguments, one per line, as OpenOCD must receive them.
 const ARGUMENTS: &str = "\
 -f
 interface/stlink.cfg
@@ -64,7 +64,7 @@ const INTRODUCTION: &str = "\
 Info : auto-selecting first available session transport \"hla_swd\". To override use 'transport select <transport>'.
 Info : clock speed 2000 kHz";
 
-/// Writes the program `openocd` into a directory and returns where it is.
+/// Writes the program `openocd` into a directory and returns its path.
 pub fn install(directory: &Path, trouble: Trouble) -> PathBuf {
     let version = if trouble == Trouble::Old { "0.10.0" } else { "0.12.0" };
     let fly = "exec qemu-system-arm -machine netduinoplus2 -nographic -monitor none -serial none \
@@ -97,7 +97,7 @@ pub fn install(directory: &Path, trouble: Trouble) -> PathBuf {
     program
 }
 
-/// A link by this stand-in.
+/// A debug link through this stand-in.
 pub fn link(directory: &Path, trouble: Trouble) -> DebugLink {
     DebugLink { openocd: install(directory, trouble), ..DebugLink::default() }
 }

@@ -6,14 +6,14 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// The program in a directory of its own.
+/// The program, to be run in this directory.
 pub fn pylon(directory: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_pylon"));
     command.current_dir(directory);
     command
 }
 
-/// Runs it.
+/// Runs the program.
 pub fn run<S: AsRef<OsStr>>(directory: &Path, arguments: &[S]) -> Output {
     pylon(directory).args(arguments).output().unwrap()
 }

@@ -5,7 +5,7 @@ use std::process::Command;
 
 const PACKAGES: [&str; 3] = ["pyarrow", "duckdb", "mcap"];
 
-/// Where the build's folder is.
+/// The build's target folder.
 pub fn target_folder() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| here.join("../../target"), PathBuf::from)

@@ -1,4 +1,4 @@
-//! The error beyond the reference: what of it is not the reference's own wander.
+//! The error beyond the reference: the part that is not the reference's own wander.
 
 use analysis::diagnose::{ErrorSlot, NoiseFacts, reference_wander};
 use kf_core::effect::EffectSubject;
@@ -9,13 +9,13 @@ use crate::engine::{Engine, Progress, Refused, parsed, replay};
 use crate::protocol::Acting;
 use crate::recording::Recording;
 
-/// Slots that a flight is divided into, at most: more than a wide screen has pixels.
+/// Limit on the slots of a flight: more than a wide screen has pixels.
 const SLOTS: f64 = 6_000.0;
-/// Shortest slot, seconds: a wander's correlation time is many of these.
+/// Shortest slot, seconds: much shorter than a wander's correlation time.
 const SHORTEST_S: f64 = 0.5;
 
-/// A sensor's mean error in slots of time, without the reference's wander, and one sigma of what that leaves
-/// unknown.
+/// A sensor's mean error in time slots, without the reference's wander, and one sigma of the remaining
+/// uncertainty.
 pub fn curve(
     engine: &mut Engine,
     flown: &Flown<'_>,
@@ -38,7 +38,7 @@ pub fn curve(
     Ok(Curve::own(times, values, "m").with_sigma(sigmas))
 }
 
-/// What an effect adds to the errors: times in seconds, metres; of which sensor, `None` for all.
+/// What an effect adds to the errors: times in seconds and metres; `sensor` is `None` for all sensors.
 struct Explained {
     points: Vec<(f64, f64)>,
     sensor: Option<Sensor>,
@@ -59,15 +59,15 @@ fn explained(engine: &Engine, flown: &Flown<'_>, found: &[Acting]) -> Result<Vec
     each.collect()
 }
 
-/// Errors in slots of time.
+/// Errors in time slots.
 struct Slots {
-    /// Without what is explained.
+    /// Errors without the explained part.
     of: Vec<ErrorSlot>,
-    /// As they are.
+    /// Errors as measured.
     raw_m: Vec<[Option<f64>; SENSORS]>,
 }
 
-/// Sums over one slot of one sensor.
+/// Sums for one sensor over one slot.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     count: f64,

@@ -1,4 +1,4 @@
-//! What comes with Pylon: models and the catalogue of effects; and what is in a model.
+//! The models and effects that come with Pylon, and the contents of a model.
 
 use analysis::effect_guide::explanation;
 use kf_core::effect::EffectId;
@@ -7,7 +7,7 @@ use model::Model;
 use crate::headline::title;
 use crate::protocol::{EffectGuide, ModelFacts, ModelText, Preset, RevisionFacts, TermFacts};
 
-/// The models.
+/// The built-in models.
 pub fn presets() -> Vec<Preset> {
     let preset = |name: &str, text: &str, about: &str| Preset {
         model: ModelText { name: name.to_owned(), text: text.to_owned() },
@@ -23,7 +23,7 @@ pub fn presets() -> Vec<Preset> {
     ]
 }
 
-/// What is in a model.
+/// The contents of a model.
 pub fn facts(model: &Model) -> ModelFacts {
     let effects = model.effects.iter().map(|effect| {
         let id = effect.term.id();
@@ -48,7 +48,7 @@ pub fn facts(model: &Model) -> ModelFacts {
     ModelFacts { effects: effects.collect(), revisions: revisions.collect(), warnings: model.warnings() }
 }
 
-/// The catalogue.
+/// The catalogue of effects.
 pub fn effects() -> Vec<EffectGuide> {
     let guide = |effect: EffectId| {
         let explained = explanation(effect)?;

@@ -4,15 +4,15 @@ use crate::curve::{Curve, Flown, curve};
 use crate::engine::{Attachments, Engine, Progress, Refused, refused};
 use crate::protocol::{Correlated, CorrelationRequest};
 
-/// Lags up to the longest one, at most.
+/// Limit on the number of lags up to the longest.
 const LAGS: f64 = 400.0;
-/// Fewer pairs of blocks than this say nothing of a lag.
+/// Least number of pairs of blocks that determine a correlation.
 const FEWEST_PAIRS: usize = 20;
-/// 99 of 100 values of a normal distribution lie within so many sigmas (`resid` of MATLAB's System
-/// Identification Toolbox draws the same).
+/// 99 of 100 values of a normal distribution lie within this many sigmas (`resid` of MATLAB's System
+/// Identification Toolbox draws the same band).
 const BAND_SIGMAS: f64 = 2.576;
 
-/// The correlation that was asked for.
+/// Computes the requested correlation.
 pub fn correlate(
     engine: &mut Engine,
     request: &CorrelationRequest,
@@ -30,7 +30,7 @@ pub fn correlate(
     };
     let from_s = request.from_s.unwrap_or(f64::NEG_INFINITY);
     let to_s = request.to_s.unwrap_or(f64::INFINITY);
-    // A signal's own interval at least: blocks without a value would be most.
+    // A block is at least as long as a signal's own interval; otherwise most blocks would be empty.
     let interval_s = |curve: &Curve| curve.gap_s(curve.range(from_s, to_s)).map(|gap_s| gap_s / 4.0);
     let few = || refused("too few values in this stretch of time to correlate");
     let mut block_s = interval_s(&signal).ok_or_else(few)?.max(request.longest_lag_s / LAGS);
@@ -63,7 +63,7 @@ fn first_s(curve: &Curve, from_s: f64, to_s: f64) -> Option<f64> {
     first
 }
 
-/// Means of blocks from a time on, less the mean of all; NaN for one without a value.
+/// Means of blocks from `start_s` on, less their overall mean; NaN for a block without a value.
 fn block_means(curve: &Curve, start_s: f64, to_s: f64, block_s: f64) -> Vec<f64> {
     let mut blocks: Vec<(f64, f64)> = Vec::new();
     curve.each(curve.range(start_s, to_s), &mut |_, time_s, value| {
@@ -82,7 +82,7 @@ fn block_means(curve: &Curve, start_s: f64, to_s: f64, block_s: f64) -> Vec<f64>
     means.iter().map(|value| value - mean).collect()
 }
 
-/// Correlations, from the most negative lag (of a cross-correlation; else 0) on.
+/// Correlations by lag, starting at the most negative one for a cross-correlation, otherwise at 0.
 struct ByLag {
     correlation: Vec<f64>,
     longest: usize,
@@ -130,7 +130,7 @@ fn by_lag(signal: &[f64], with: Option<&[f64]>, lags: usize) -> Option<ByLag> {
     let longest = behind.len().min(ahead.len()) - 1;
     let mut correlation: Vec<f64> = ahead.iter().take(longest + 1).skip(1).rev().copied().collect();
     correlation.extend(behind.iter().take(longest + 1));
-    // Bartlett's formula for two series that go with each other in nothing.
+    // Bartlett's formula for two uncorrelated series.
     let own = |values: &[f64]| {
         let scale = variance(values);
         (1..=lags).map_while(|lag| Some(product(values, values, lag)? / scale)).collect::<Vec<f64>>()
@@ -144,7 +144,8 @@ fn by_lag(signal: &[f64], with: Option<&[f64]>, lags: usize) -> Option<ByLag> {
 mod tests {
     use super::*;
 
-    /// White noise of variance one, nearly: Weyl's sequence is too even, a hash's bits are not.
+    /// Approximately white noise of variance one. Weyl's sequence would be too even; the bits of a hash are
+    /// not.
     fn noise(seed: u64, count: usize) -> Vec<f64> {
         let mut state = seed;
         let mut uniform = || {
@@ -160,7 +161,7 @@ mod tests {
         let of_white = by_lag(&white, None, 300).unwrap();
         assert!((of_white.correlation[0] - 1.0).abs() < 1e-12);
         let outside = of_white.correlation.iter().skip(1).filter(|value| value.abs() > of_white.band).count();
-        // 3 of 300 are expected; 10 are a chance of one in a thousand.
+        // 3 of 300 are expected; 10 have a probability of one in a thousand.
         assert!(outside <= 10, "{outside}");
 
         let late: Vec<f64> = (0..4_000).map(|k| if k < 25 { 0.0 } else { white[k - 25] }).collect();
@@ -183,7 +184,7 @@ mod tests {
         };
         let cross = by_lag(&slow(2), Some(&slow(3)), 200).unwrap();
         let outside = cross.correlation.iter().filter(|value| value.abs() > cross.band).count();
-        // White noise's band, 0.041, has most of them outside.
+        // White noise's band, 0.041, would leave most of them outside.
         assert!(cross.band > 0.12 && outside <= 20, "{} {outside}", cross.band);
     }
 

@@ -1,4 +1,4 @@
-//! Signals as curves: times and values, whatever they are made from.
+//! Signals as curves: times and values, whatever their source.
 
 use std::ops::Range;
 use std::rc::Rc;
@@ -16,13 +16,13 @@ use crate::engine::{Engine, Progress, Refused, parsed, refused, replay};
 use crate::protocol::{Acting, ModelText, Signal, Times};
 use crate::recording::{Recording, SensorTrack};
 
-/// Longer apart than so many of their usual intervals, two values have a gap between them: as the diagnosis
-/// has it for fixes.
+/// Two values have a gap between them if they are further apart than this many of their usual intervals, as
+/// in the diagnosis for fixes.
 const GAP_INTERVALS: f64 = 4.0;
-/// Intervals that the usual one is the median of, at most.
+/// Limit on the intervals over which the median is taken as the usual one.
 const INTERVALS: usize = 2_048;
 
-/// What of a recording a curve is.
+/// The quantity of a recording that a curve shows.
 #[derive(Clone, Copy)]
 enum Of {
     Reference,
@@ -36,26 +36,26 @@ enum Of {
 enum Points {
     /// Values at the ticks of a recording.
     Recorded(Rc<Recording>, Of),
-    /// Values at times of their own, increasing.
+    /// Values at their own times, increasing.
     Own(Vec<f64>, Vec<f64>),
 }
 
 /// A curve.
 pub struct Curve {
     points: Points,
-    /// One sigma of each value, for values at times of their own.
+    /// One sigma of each value, for values at their own times.
     pub sigma: Option<Vec<f64>>,
     /// The unit.
     pub unit: &'static str,
 }
 
 impl Curve {
-    /// A curve of values at times of their own.
+    /// A curve of values at their own times.
     pub fn own(time_s: Vec<f64>, values: Vec<f64>, unit: &'static str) -> Self {
         Self { points: Points::Own(time_s, values), sigma: None, unit }
     }
 
-    /// The same with one sigma of each value.
+    /// The same curve with one sigma of each value.
     pub fn with_sigma(self, sigma: Vec<f64>) -> Self {
         Self { sigma: Some(sigma), ..self }
     }
@@ -67,13 +67,13 @@ impl Curve {
         }
     }
 
-    /// Places of the values from one time to another.
+    /// Indices of the values between two times.
     pub fn range(&self, from_s: f64, to_s: f64) -> Range<usize> {
         let times = self.times();
         times.partition_point(|time_s| *time_s < from_s)..times.partition_point(|time_s| *time_s <= to_s)
     }
 
-    /// Every value within some places, with its place and its time.
+    /// Passes each value in a range of indices to `take`, with its index and its time.
     pub fn each(&self, range: Range<usize>, take: &mut dyn FnMut(usize, f64, f64)) {
         let times = self.times();
         let mut each = |value: &dyn Fn(usize) -> f64| {
@@ -125,7 +125,7 @@ impl Curve {
     }
 }
 
-/// A flight, a model that flies it, and where it is calibrated.
+/// A flight, a model that flies it, and where to calibrate.
 pub struct Flown<'a> {
     /// The flight.
     pub flight: &'a str,
@@ -176,14 +176,14 @@ fn made(
     Ok(Curve { points: Points::Recorded(recording, of), sigma: None, unit: "m" })
 }
 
-/// A sensor by its name.
+/// Finds a sensor by its name.
 pub fn sensor(name: &str) -> Result<Sensor, Refused> {
     let found = Sensor::ALL.into_iter().find(|sensor| sensor.name() == name);
     found.ok_or_else(|| refused(format!("no sensor '{name}', expected baro, imu_slave or imu_master")))
 }
 
-/// A column as it was logged. Rows whose time is not after all before them are left out, as the estimator
-/// leaves them out.
+/// A column as it was logged. Rows whose time is not later than all before them are left out, as in the
+/// estimator.
 fn column(engine: &Engine, flown: &Flown<'_>, name: &str) -> Result<Curve, Refused> {
     let open = engine.flight(flown.flight)?;
     let flight = &open.flight;
@@ -205,7 +205,7 @@ fn column(engine: &Engine, flown: &Flown<'_>, name: &str) -> Result<Curve, Refus
     Ok(Curve::own(times, values, unit(name)))
 }
 
-/// A column's unit, by its name.
+/// A column's unit, according to its name.
 fn unit(column: &str) -> &'static str {
     const UNITS: [(&str, &str); 9] = [
         ("_mps2", "m/s²"),
@@ -243,8 +243,8 @@ fn effect(engine: &Engine, flown: &Flown<'_>, of: &Acting) -> Result<Curve, Refu
     Ok(Curve::own(times, values, "m"))
 }
 
-/// What an effect adds to the error of its sensor, seconds and metres. An error of the reference is in the
-/// errors of all with the other sign.
+/// What an effect adds to the error of its sensor, seconds and metres. An error of the reference appears in
+/// the errors of all sensors with the opposite sign.
 pub fn in_error(replay: &Replay<'_>, regressor: Regressor, coefficient: f64) -> Vec<(f64, f64)> {
     let sign = match regressor.id.subject() {
         EffectSubject::Gps => -1.0,

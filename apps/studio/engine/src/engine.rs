@@ -1,4 +1,4 @@
-//! An engine: opened flights, and the requests that are answered of them.
+//! An engine: holds opened flights and answers requests about them.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -20,24 +20,24 @@ use crate::protocol::{Airborne, DiagnoseRequest, ModelText, Numbers, Request, Ti
 use crate::recording::Recording;
 use crate::{catalogue, correlate, formula, opening, pairs, plan, results, ribbons, samples, series};
 
-/// Recordings that are kept: before and after, of two flights.
+/// Recordings kept: before and after, for two flights.
 const RECORDINGS: usize = 4;
-/// Diagnoses whose work is kept: with the model as it is, and as it was before its newest revision.
+/// Diagnoses whose work is kept: with the current model, and with the model before its newest revision.
 const DIAGNOSES: usize = 2;
-/// Scores that are kept: five revisions on forty flights.
+/// Scores kept: five revisions on forty flights.
 const SCORES: usize = 200;
-/// Curves that are kept: what is made for one picture is wanted for the next, when it is panned.
+/// Curves kept: a curve made for one picture is needed again for the next when the picture is panned.
 const CURVES: usize = 8;
 
-/// Is told what is being done, how many steps are done, and of how many; 0 where nobody knows.
+/// Receives what is being done, the number of steps done and their total; 0 if the total is not known.
 pub type Progress<'a> = dyn FnMut(&str, u64, u64) + Send + 'a;
 
-/// Why there is no answer: one line, for the user.
+/// Why a request has no answer: one line, for the user.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct Refused(String);
 
-/// That, of any error.
+/// Turns any error into a refusal.
 pub(crate) fn refused(error: impl Display) -> Refused {
     Refused(error.to_string())
 }
@@ -47,13 +47,13 @@ pub(crate) fn refused(error: impl Display) -> Refused {
 pub struct Reply {
     /// `{"ok": ANSWER}` or `{"error": "one line"}`.
     pub json: String,
-    /// The arrays of the answer ([`Numbers`]).
+    /// The arrays that the answer refers to ([`Numbers`]).
     pub numbers: Vec<f64>,
     /// The bytes of a file.
     pub bytes: Vec<u8>,
 }
 
-/// What an answer is put together in.
+/// The parts of an answer as it is assembled.
 #[derive(Debug, Default)]
 pub(crate) struct Attachments {
     numbers: Vec<f64>,
@@ -69,18 +69,18 @@ impl Attachments {
     }
 }
 
-/// A flight as it was opened.
+/// An opened flight.
 #[derive(Debug)]
 pub(crate) struct OpenFlight {
     pub(crate) file: String,
     pub(crate) format: String,
     pub(crate) flight: Flight,
     pub(crate) notes: Vec<Note>,
-    /// Which opening of this engine it was: a name may be used again.
+    /// Serial number of this opening, because a name may be used again.
     number: u64,
 }
 
-/// Times, to be compared bit for bit.
+/// Times in a form that compares bit for bit.
 pub(crate) type TimesKey = (Option<[u64; 2]>, Option<[Option<u64>; 2]>);
 
 pub(crate) fn times_key(Times { window, airborne }: Times) -> TimesKey {
@@ -93,22 +93,22 @@ pub(crate) fn times_key(Times { window, airborne }: Times) -> TimesKey {
 
 type RecordingKey = (u64, String, TimesKey);
 
-/// What a diagnosis is of: flights learned from, and judged by, with their times; the model.
+/// The key of a diagnosis: the flights learned from and the held-out ones, with their times, and the model.
 pub(crate) type DiagnosisKey = (Vec<(u64, TimesKey)>, Vec<(u64, TimesKey)>, String);
 
 type ScoresKey = (u64, GivenTimes, Model);
 
-/// Opened flights, and who works on them.
+/// Opened flights, and the executor that works on them.
 pub struct Engine {
     flights: BTreeMap<String, OpenFlight>,
     opened: u64,
-    /// The last used comes last.
+    /// Kept recordings; the most recently used comes last.
     recordings: Vec<(RecordingKey, Rc<Recording>)>,
-    /// Likewise.
+    /// Kept curves, in the same order.
     curves: Vec<((RecordingKey, String), Rc<Curve>)>,
-    /// What the last diagnoses found out beside their answers.
+    /// Further results of the last diagnoses, beyond their answers.
     further: Vec<(DiagnosisKey, Rc<Further>)>,
-    /// What models are worth on flights.
+    /// Scores of models on flights.
     scores: RefCell<Vec<(ScoresKey, Rc<Scores>)>>,
     pub(crate) executor: &'static dyn Executor,
 }
@@ -128,10 +128,10 @@ impl Engine {
         }
     }
 
-    /// Answers a request; `bytes` are what comes with it.
+    /// Answers a request; `bytes` come with it.
     pub fn ask(&mut self, request: &[u8], bytes: &[u8], progress: &mut Progress<'_>) -> Reply {
         let mut attachments = Attachments::default();
-        // By way of a `Value`: a request told by its tag loses numbers where a dependency has `serde_json`
+        // Via a `Value`: a request identified by its tag loses numbers if a dependency makes `serde_json`
         // keep their digits.
         let json = serde_json::from_slice::<serde_json::Value>(request)
             .and_then(serde_json::from_value)
@@ -203,7 +203,7 @@ impl Engine {
         slot.insert_entry(open).into_mut()
     }
 
-    /// An opened flight.
+    /// Finds an opened flight.
     pub(crate) fn flight(&self, name: &str) -> Result<&OpenFlight, Refused> {
         self.flights.get(name).ok_or_else(|| refused(format!("flight '{name}' is not open")))
     }
@@ -224,7 +224,7 @@ impl Engine {
         Ok(keep(&mut self.recordings, RECORDINGS, key, recording))
     }
 
-    /// What `make` makes, or made before of the same flight, model and times under that name.
+    /// The curve that `make` returns, or a kept one for the same flight, model, times and name.
     pub(crate) fn curve(
         &mut self,
         (flight, model, times): (&str, &ModelText, Times),
@@ -239,7 +239,7 @@ impl Engine {
         Ok(keep(&mut self.curves, CURVES, key, curve))
     }
 
-    /// What a diagnosis is kept under.
+    /// The key under which a diagnosis is kept.
     pub(crate) fn diagnosis_key(&self, request: &DiagnoseRequest) -> Result<DiagnosisKey, Refused> {
         let of = |names: &[String]| {
             let key = |name: &String| {
@@ -251,21 +251,21 @@ impl Engine {
         Ok((of(&request.flights)?, of(&request.hold_outs)?, request.model.text.clone()))
     }
 
-    /// What a diagnosis found out beside its answer, if it was one of the last.
+    /// Further results of a diagnosis, if it was one of the last.
     pub(crate) fn further(&mut self, key: &DiagnosisKey) -> Option<Rc<Further>> {
         kept(&mut self.further, key)
     }
 
-    /// Keeps what a diagnosis found out beside its answer.
+    /// Keeps further results of a diagnosis.
     pub(crate) fn keep_further(&mut self, key: DiagnosisKey, further: Further) -> Rc<Further> {
         keep(&mut self.further, DIAGNOSES, key, further)
     }
 
-    /// What a model is worth on an open flight, flown once.
+    /// A model's scores on an open flight, flown only once.
     pub(crate) fn scored(&self, named: &NamedFlight<'_>, model: &Model) -> Result<Scores, ReplayError> {
         let open = self.flights.values().find(|open| std::ptr::eq(&raw const open.flight, named.flight));
         let Some(open) = open else { return flown(named, model) };
-        // A model's history does not fly.
+        // A model's revisions do not affect how it flies.
         let key = (open.number, named.given, Model { revisions: Vec::new(), ..model.clone() });
         if let Some(found) = kept(&mut self.scores.borrow_mut(), &key) {
             return Ok(Scores::clone(&found));
@@ -280,7 +280,7 @@ impl Engine {
     }
 }
 
-/// What is kept under a key; it is the last used now.
+/// The value kept under a key, which becomes the most recently used.
 fn kept<K: PartialEq, T>(all: &mut Vec<(K, Rc<T>)>, key: &K) -> Option<Rc<T>> {
     let place = all.iter().position(|(other, _)| other == key)?;
     let found = all.remove(place);
@@ -289,7 +289,7 @@ fn kept<K: PartialEq, T>(all: &mut Vec<(K, Rc<T>)>, key: &K) -> Option<Rc<T>> {
     Some(value)
 }
 
-/// Keeps a value in place of the one that was not used for longest.
+/// Keeps a value; if there are too many, the least recently used is dropped.
 fn keep<K, T>(all: &mut Vec<(K, Rc<T>)>, most: usize, key: K, value: T) -> Rc<T> {
     if all.len() >= most {
         all.remove(0);
@@ -304,12 +304,12 @@ fn json(answer: &impl Serialize) -> Result<String, Refused> {
     serde_json::to_string(answer).map_err(refused)
 }
 
-/// A model.
+/// Parses a model.
 pub(crate) fn parsed(model: &ModelText) -> Result<Model, Refused> {
     Model::parse(&model.text).map_err(|error| refused(format!("{}: {error}", model.name)))
 }
 
-/// What the user says of a flight's times.
+/// The user's times for a flight.
 pub(crate) fn given(Times { window, airborne }: Times) -> GivenTimes {
     GivenTimes {
         calibration: window.map(|Window { start_s, end_s }| CalibrationWindow { start_s, end_s }),
@@ -317,7 +317,7 @@ pub(crate) fn given(Times { window, airborne }: Times) -> GivenTimes {
     }
 }
 
-/// A flight, ready to be flown by a model; one that cannot be calibrated as it is.
+/// A flight ready to be flown by a model; refuses one that cannot be calibrated.
 pub(crate) fn replay<'a>(
     open: &'a OpenFlight,
     model: &ModelText,
@@ -327,8 +327,8 @@ pub(crate) fn replay<'a>(
         .map_err(|error| refused(format!("{}: {error}", open.file)))
 }
 
-/// Progress of work of which nobody knows how many steps it has. To cancel it is to end the worker, so it
-/// never ends itself.
+/// Progress of work with an unknown number of steps. Work is cancelled by ending the worker, so this never
+/// stops it.
 pub(crate) fn counting<'a>(
     what: &'static str,
     progress: &'a mut Progress<'_>,

@@ -1,4 +1,4 @@
-//! An effect by formula: checked as a definition of the model, and fitted to a flight for the eye.
+//! An effect by formula: checked as a definition of the model, and roughly fitted to a flight for display.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use crate::curve::{Flown, curve, in_error};
 use crate::engine::{Attachments, Engine, Progress, Refused, refused, replay};
 use crate::protocol::{Defined, FormulaChecked, FormulaProblem, FormulaRequest, ModelText};
 
-/// Points of the picture, at most.
+/// Limit on the points of the picture.
 const POINTS: usize = 400;
-/// Fewer values than this fit anything.
+/// Least number of values for a fit.
 const FEWEST: usize = 10;
 
-/// Checks a formula; what is wrong with it is an answer, not a refusal.
+/// Checks a formula. An error in it is part of the answer, not a refusal.
 pub fn checked(
     engine: &mut Engine,
     request: &FormulaRequest,
@@ -25,7 +25,7 @@ pub fn checked(
     progress: &mut Progress<'_>,
 ) -> Result<FormulaChecked, Refused> {
     let wrong = |problem| Ok(FormulaChecked { problem: Some(problem), definition: None });
-    // By its own, as far as it can be: it may name other effects, which only the model knows.
+    // Compiled without the model where possible; effects that it names are known only to the model.
     let alone = Formula::compile(&request.regressor, &mut Columns::default());
     let unit =
         alone.as_ref().map_or_else(|_| "1".to_owned(), |formula| formula.coefficient_unit().to_string());
@@ -43,7 +43,7 @@ pub fn checked(
         with_new_definition(&request.model.text, &new)
             .map_err(|error| refused(format!("{}: {error}", request.model.name)))
     };
-    // Any range will do to read it by.
+    // Any range will do for parsing.
     let (effect, read) = match definition(&text(request.largest.unwrap_or(1.0))?, &id) {
         Ok(found) => found,
         Err(error) => return wrong(problem(error, &request.regressor)),
@@ -106,7 +106,7 @@ pub fn checked(
     })
 }
 
-/// The effect of a model's text, and the text.
+/// The effect defined in a model's text, and the text.
 fn definition(text: &str, id: &str) -> Result<(EffectId, String), ModelError> {
     let model = Model::parse(text)?;
     let found = model.definitions().iter().find(|effect| effect.name() == id).copied();
@@ -117,7 +117,7 @@ fn definition(text: &str, id: &str) -> Result<(EffectId, String), ModelError> {
     })
 }
 
-/// What it acts on and what it reads, as a law's id is; numbered where the model has it.
+/// An id made from what the formula acts on and reads, as for a law; numbered if the model already has it.
 fn own_id(on: &str, formula: Option<&Formula>, text: &str) -> String {
     const LONGEST: usize = 36;
     let subject = match on {
@@ -148,7 +148,7 @@ fn has(flight: &Flight, column: &str) -> bool {
     extra || Channel::from_name(column).is_some_and(|channel| flight.channel(channel).is_some())
 }
 
-/// The place of an error, as JavaScript counts it.
+/// An error with its position, as JavaScript counts.
 fn problem(error: ModelError, regressor: &str) -> FormulaProblem {
     let (message, span) = match error {
         ModelError::Formula { error, .. } => {
@@ -180,16 +180,16 @@ fn utf16(text: &str, bytes: usize) -> u32 {
     text.get(..bytes).unwrap_or(text).encode_utf16().count() as u32
 }
 
-/// Least squares with a constant.
+/// A least-squares fit with a constant.
 #[derive(Debug, PartialEq)]
 struct Fit {
     coefficient: f64,
-    /// Share of the variance.
+    /// Explained share of the variance.
     explained: f64,
 }
 
 impl Fit {
-    /// `None` where the first of the pairs is constant, within its rounding, or there are too few.
+    /// `None` if the first value of the pairs is constant within rounding, or there are too few pairs.
     fn of(pairs: &[(f64, f64)]) -> Option<Self> {
         if pairs.len() < FEWEST {
             return None;
@@ -214,7 +214,7 @@ impl Fit {
     }
 }
 
-/// So many values in blocks of one length, no more of them than points are drawn.
+/// Divides this many values into blocks of equal length, at most as many blocks as points are drawn.
 fn blocks(values: usize) -> Vec<Range<usize>> {
     let length = values.div_ceil(POINTS).max(1);
     (0..values).step_by(length).map(|start| start..(start + length).min(values)).collect()
@@ -229,7 +229,7 @@ mod tests {
         let line: Vec<(f64, f64)> = (0..100).map(|k| (f64::from(k), 3.0 - 0.5 * f64::from(k))).collect();
         let fit = Fit::of(&line).unwrap();
         assert!((fit.coefficient + 0.5).abs() < 1e-12 && (fit.explained - 1.0).abs() < 1e-12, "{fit:?}");
-        // Half of the variance is the other sign's.
+        // Half of the values have the opposite sign.
         let crossed: Vec<(f64, f64)> = line.iter().flat_map(|(x, y)| [(*x, *y), (*x, -*y)]).collect();
         let fit = Fit::of(&crossed).unwrap();
         assert!(fit.coefficient.abs() < 1e-12 && fit.explained < 1e-12, "{fit:?}");

@@ -9,7 +9,7 @@ use analysis::learn::{Addition, JudgedOn};
 
 use crate::protocol::{Headline, Tone};
 
-/// An effect in the field's own words.
+/// An effect's usual name in the field.
 pub fn title(effect: &str) -> &str {
     match effect {
         "baro.dynamic_pressure" => "static-port error",
@@ -38,7 +38,7 @@ pub fn title(effect: &str) -> &str {
     }
 }
 
-/// What reads wrong, as the beginning of a sentence.
+/// The sensor that reads wrong, as the beginning of a sentence.
 fn subject(sensor: &str) -> &'static str {
     match sensor {
         "baro" => "Your barometer",
@@ -48,7 +48,7 @@ fn subject(sensor: &str) -> &'static str {
     }
 }
 
-/// Why no law is proposed; `None` where one is.
+/// Why no law is proposed; `None` if one is.
 pub fn why_no_law(discovery: &Discovery) -> Option<String> {
     if !discovery.laws.is_empty() {
         return None;
@@ -82,18 +82,18 @@ fn short(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// A coefficient to its sigma's first digit, with it.
+/// A coefficient to the first digit of its sigma, with that sigma.
 fn with_sigma(value: f64, sigma: f64, unit: &str) -> String {
     if !(sigma.is_finite() && sigma > 0.0) {
         return short(value);
     }
-    // The count of digits is shown, not computed with.
+    // The number of digits is only for display.
     let digits = (-sigma.log10().floor()).clamp(0.0, 9.0) as usize;
     let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
     format!("{value:.digits$} ± {sigma:.digits$}{unit}")
 }
 
-/// How far off a sensor is by an effect, at most: "reads up to 6.3 m high at 45 m/s".
+/// A sensor's largest error due to an effect: "reads up to 6.3 m high at 45 m/s".
 fn reads(candidate: &CandidateFacts) -> Option<String> {
     let ends = candidate.envelope_m.map(|regressor_m| (regressor_m, candidate.coefficient * regressor_m));
     let (regressor_m, metres) = ends.into_iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
@@ -119,7 +119,8 @@ fn candidate<'a>(sensor: &'a SensorDiagnosis, effect: &str) -> Option<&'a Candid
     sensor.candidates.iter().find(|candidate| candidate.effect == effect)
 }
 
-/// "; on what was held out the error falls from 3.4 m to 0.5 m", if it is known.
+/// The error before and after on held-out data, if known: "; on what was held out the error falls from 3.4 m
+/// to 0.5 m".
 fn falls(before_m: Option<f64>, after_m: Option<f64>, on: &str) -> String {
     match (before_m, after_m) {
         (Some(before_m), Some(after_m)) if after_m < before_m => {
@@ -140,7 +141,7 @@ fn on_what(diagnosis: &Diagnosis) -> &'static str {
     if diagnosis.hold_outs.is_empty() { "on held-out stretches" } else { "on the next flight" }
 }
 
-/// A diagnosis.
+/// The headline of a diagnosis.
 pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
     let of_verdict = diagnosis.sensors.iter().find(|(_, sensor)| sensor.verdict == diagnosis.verdict);
     let Some((name, sensor)) = of_verdict else {
@@ -213,7 +214,7 @@ pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
     }
 }
 
-/// A comparison: the sensor that came off worst.
+/// The headline of a comparison: about the sensor with the worst result.
 pub fn of_comparison(comparison: &Comparison) -> Headline {
     const WORST_FIRST: [&str; 5] = ["untrustworthy", "doubtful", "unmonitored", "trusted", "calibrating"];
     let rank = |trust: &str| WORST_FIRST.iter().position(|word| *word == trust).unwrap_or(WORST_FIRST.len());
@@ -251,7 +252,7 @@ pub fn of_comparison(comparison: &Comparison) -> Headline {
     Headline { sentence, tone, effect: None }
 }
 
-/// An effect added.
+/// The headline of an added effect.
 pub fn of_addition(addition: &Addition) -> Headline {
     let on = match addition.judged_on {
         JudgedOn::HeldOutFlights => "on the next flight",

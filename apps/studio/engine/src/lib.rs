@@ -1,6 +1,6 @@
-//! The workbench for a page: what it asks ([`protocol`]), and what it is answered ([`Engine::ask`]).
+//! The workbench for a web page: the page's requests ([`protocol`]) and their answers ([`Engine::ask`]).
 //!
-//! As a WebAssembly module it has a C interface ([`wasm`]); one module does one request after another.
+//! As a WebAssembly module it has a C interface ([`wasm`]); one module handles one request at a time.
 
 mod beyond;
 mod catalogue;

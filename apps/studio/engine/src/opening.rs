@@ -1,4 +1,4 @@
-//! Opening a log, and saying what is in it.
+//! Opens a log and reports its contents.
 
 use analysis::batch::vehicle;
 use analysis::overview::Overview;
@@ -17,7 +17,7 @@ pub fn open(engine: &mut Engine, request: OpenRequest, bytes: &[u8]) -> Result<O
     opened(engine.keep(flight, file, format, read), Times::default())
 }
 
-/// What is in an opened flight, with the user's times.
+/// The contents of an opened flight, with the user's times.
 pub fn opened(open: &OpenFlight, times: Times) -> Result<Opened, Refused> {
     let OpenFlight { file, format, flight, notes, .. } = open;
     let overview = Overview::new(file, format, flight, notes, given(times));
@@ -39,14 +39,14 @@ pub fn opened(open: &OpenFlight, times: Times) -> Result<Opened, Refused> {
     })
 }
 
-/// The altitude sensors that a mission has.
+/// The altitude sensors that a mission over this flight has.
 fn sensors(open: &OpenFlight) -> Vec<String> {
     let flight = &open.flight;
     let has = |channels: &[Channel]| channels.iter().any(|channel| flight.channel(*channel).is_some());
     let is_there = |sensor: &Sensor| match sensor {
         Sensor::Baro => has(&[Channel::BaroPa, Channel::BaroAltM]),
         Sensor::ImuMaster => has(&[Channel::ImuMasterAltM]),
-        // The flight computer makes it where the log has not got it.
+        // The flight computer computes it if the log lacks it.
         Sensor::ImuSlave => {
             has(&[Channel::ImuSlaveAltM]) || (has(&[Channel::AccelZMps2]) && has(&[Channel::GyroXRadps]))
         }

@@ -1,10 +1,10 @@
-//! One signal over another.
+//! One signal against another.
 
 use crate::curve::{Curve, Flown, curve};
 use crate::engine::{Attachments, Engine, Progress, Refused, refused};
 use crate::protocol::{Paired, ScatterRequest};
 
-/// The points of one signal over another.
+/// The points of one signal against another.
 pub fn pairs(
     engine: &mut Engine,
     request: &ScatterRequest,
@@ -33,7 +33,8 @@ pub fn pairs(
     })
 }
 
-/// Time, x and y of every value of y that x has one for, and how many of y's it has none for.
+/// Time, x and y of every value of y for which x has a value, and the number of values of y for which it has
+/// none.
 pub fn paired(x: &Curve, y: &Curve, from_s: f64, to_s: f64) -> (Vec<[f64; 3]>, u32) {
     let whole = x.range(f64::NEG_INFINITY, f64::INFINITY);
     let gap_s = x.gap_s(whole.clone()).unwrap_or(f64::INFINITY);
@@ -52,7 +53,7 @@ pub fn paired(x: &Curve, y: &Curve, from_s: f64, to_s: f64) -> (Vec<[f64; 3]>, u
     (points, unpaired)
 }
 
-/// The value at a time, on the straight line to `next` from the one before it.
+/// The value at a time, interpolated linearly between the value at `next` and the one before it.
 fn between(values: &[(f64, f64)], next: usize, time_s: f64, gap_s: f64) -> Option<f64> {
     let (after_s, after) = *values.get(next)?;
     if after_s == time_s {

@@ -1,4 +1,4 @@
-//! A mission over a flight, tick by tick: what curves are drawn from.
+//! A mission over a flight, tick by tick: the data for curves.
 
 use analysis::compare::MotionTrack;
 use kf_core::input::TickInput;
@@ -9,21 +9,21 @@ use replay::{Replay, reading_m};
 
 use crate::engine::{Progress, Refused, refused};
 
-/// Progress is said once in this many ticks.
+/// Ticks between progress reports.
 const TICKS_PER_REPORT: usize = 1 << 14;
 
-/// One sensor, a value a tick; NaN where there is none. Empty for a sensor without a reading.
+/// One sensor, one value per tick; NaN if there is none. Empty for a sensor without readings.
 #[derive(Debug, Default)]
 pub struct SensorTrack {
     /// Its altitude as measured, m.
     pub measured_m: Vec<f32>,
     /// Its error, m.
     pub error_m: Vec<f32>,
-    /// The mean of that over the monitor's window, m.
+    /// Moving average of the error over the monitor's window, m.
     pub average_m: Vec<f32>,
     /// Its trust, as spans of ticks: the first tick of each.
     pub trust: Vec<(usize, &'static str)>,
-    /// The alarm's limit, m.
+    /// The alarm limit, m.
     pub bound_m: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ pub struct Recording {
     pub phases: Vec<(usize, &'static str)>,
     /// When it was launched, seconds.
     pub launch_s: Option<f64>,
-    /// How the aircraft moved.
+    /// The aircraft's motion.
     pub motion: MotionTrack,
 }
 
@@ -102,7 +102,7 @@ impl Recording {
     }
 }
 
-/// Notes what begins at a tick, if it is something else than before.
+/// Starts a new span at a tick if the label has changed.
 fn note(spans: &mut Vec<(usize, &'static str)>, tick: usize, what: &'static str) {
     if spans.last().is_none_or(|(_, last)| *last != what) {
         spans.push((tick, what));

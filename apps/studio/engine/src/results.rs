@@ -1,4 +1,4 @@
-//! What the command line's commands find, by the same functions.
+//! The results of the command line's commands, by the same functions.
 
 use std::sync::Mutex;
 
@@ -87,7 +87,7 @@ fn results(
         let open = engine.flight(name)?;
         notes.extend(open.notes.iter().map(|note| format!("{}: {note}", open.file)));
     }
-    // The next flight is planned on it, and coefficients are learned from it.
+    // Planning the next flight and learning coefficients use these further results.
     if let Some(further) = further {
         engine.keep_further(engine.diagnosis_key(request)?, further);
     }
@@ -95,7 +95,7 @@ fn results(
     Ok(DiagnoseResult { together: Some(together), failed: None, one_by_one })
 }
 
-/// Laws that nobody wrote down.
+/// Searches for laws that are not in the catalogue.
 pub fn discovered(
     engine: &Engine,
     request: &DiscoverRequest,
@@ -135,7 +135,7 @@ pub(crate) fn to_diagnose<'a>(
     each.collect()
 }
 
-/// What the user says of one flight's times.
+/// The user's times for one flight.
 fn given_of(times: &TimesByFlight, flight: &str) -> GivenTimes {
     given(times.get(flight).copied().unwrap_or_default())
 }
@@ -152,7 +152,7 @@ fn named<'a>(
     each.collect()
 }
 
-/// An effect learned, and the model with it.
+/// Learns an effect and adds it to the model.
 pub fn added(
     engine: &mut Engine,
     request: AddRequest,
@@ -202,13 +202,13 @@ pub fn added(
     let addition = add_remembering(&of, remembered, &mut counting("learning", progress), engine.executor);
     let addition = addition.map_err(refused)?;
     let model = ModelText { name: request.model.name.clone(), text: addition.text.clone() };
-    // The addition has flown the newest two revisions.
+    // The newest two revisions have already been flown for the addition.
     let flights: Vec<NamedFlight<'_>> = of.learning.iter().chain(&of.held_out).cloned().collect();
     let ladder = ladder_of(engine, &model, &flights, progress).ok();
     Ok(Added { headline: headline::of_addition(&addition), addition, model, ladder })
 }
 
-/// A day, written as 2026-01-31.
+/// Parses a date such as 2026-01-31.
 fn date(text: &str) -> Result<Date, Refused> {
     let parts: Vec<&str> = text.split('-').collect();
     let date = match parts.as_slice() {
@@ -246,7 +246,7 @@ fn ladder_of(
     Ok(ladder)
 }
 
-/// A file of a result, with the answer.
+/// Exports a result as a file, with the answer.
 pub fn exported(
     engine: &mut Engine,
     export: Exports,

@@ -1,4 +1,4 @@
-//! What the aircraft did and what its sensors were worth, as spans of time.
+//! The aircraft's motion and the sensors' trust, as spans of time.
 
 use analysis::compare::{Manoeuvre, Motion};
 use kf_core::sensor::Sensor;
@@ -56,7 +56,7 @@ pub fn ribbons(
     })
 }
 
-/// Runs of one manoeuvre; `seconds` has one each second.
+/// Runs of the same manoeuvre; `seconds` has one entry per second.
 fn manoeuvres(seconds: &[Manoeuvre], start_s: f64, end_s: f64) -> Vec<Span> {
     let mut spans: Vec<Span> = Vec::new();
     for (second, manoeuvre) in seconds.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The flights that come with Pylon: scenarios, simulated when they are opened.
+//! The flights that come with Pylon: scenarios that are simulated when opened.
 
 use simulate::{Scenario, simulate};
 
@@ -12,7 +12,7 @@ macro_rules! scenario {
     };
 }
 
-/// Name, what it is, scenario.
+/// Name, description, scenario.
 const SAMPLES: [(&str, &str, &str); 4] = [
     (
         "hidden-static-port",
@@ -32,13 +32,13 @@ const SAMPLES: [(&str, &str, &str); 4] = [
     ("clean", "A flight of which the model lacks nothing (simulated).", scenario!("clean")),
 ];
 
-/// All of them.
+/// Lists all samples.
 pub fn list() -> Vec<Sample> {
     let samples = SAMPLES.iter();
     samples.map(|(name, about, _)| Sample { name: (*name).to_owned(), about: (*about).to_owned() }).collect()
 }
 
-/// Simulates one, and opens it.
+/// Simulates a sample and opens it.
 pub fn open(engine: &mut Engine, request: OpenSampleRequest) -> Result<Opened, Refused> {
     let OpenSampleRequest { flight, sample } = request;
     let (name, _, text) = SAMPLES
@@ -47,7 +47,7 @@ pub fn open(engine: &mut Engine, request: OpenSampleRequest) -> Result<Opened, R
         .ok_or_else(|| refused(format!("no flight '{sample}' comes with Pylon")))?;
     let scenario = Scenario::from_toml(text, &format!("{name}.toml")).map_err(refused)?;
     let (made, _) = simulate(&scenario, scenario.seed).map_err(refused)?;
-    // As a file of its own: what is read back from a CSV is what a user would have.
+    // Written as CSV and read back, so that it is what a user would have.
     let mut csv = Vec::new();
     flight_data::to_writer(&mut csv, &made).map_err(refused)?;
     let read = flight_data::parse_with(&csv, engine.executor).map_err(refused)?;

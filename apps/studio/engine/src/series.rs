@@ -1,4 +1,4 @@
-//! Curves on one time axis, thinned out so that their drawing looks the same.
+//! Curves on one time axis, thinned out without changing how they look.
 
 use std::ops::Range;
 use std::rc::Rc;
@@ -7,7 +7,7 @@ use crate::curve::{Curve, Flown, curve};
 use crate::engine::{Attachments, Engine, Progress, Refused, refused};
 use crate::protocol::{Drawn, Series, SeriesRequest};
 
-/// Rows that are looked at before it is asked whether there are too many values to draw each.
+/// Rows read between checks whether there are too many values to draw each.
 const ROWS_AT_ONCE: usize = 1 << 15;
 /// More pixels than any screen has.
 const MOST_PIXELS: u32 = 16_384;
@@ -19,11 +19,11 @@ pub struct OnAxis {
     pub least: Vec<f64>,
     /// Greatest value.
     pub greatest: Vec<f64>,
-    /// Mean sigma, where the curve has one.
+    /// Largest sigma, if the curve has one.
     pub sigma: Option<Vec<f64>>,
 }
 
-/// The curves that were asked for.
+/// The requested curves.
 pub fn series(
     engine: &mut Engine,
     request: SeriesRequest,
@@ -70,19 +70,19 @@ pub fn series(
 enum Axis {
     /// Every value's own time.
     Exact(Vec<f64>),
-    /// So many slots of equal width from a time on.
+    /// This many slots of equal width, starting at `from_s`.
     Slots { from_s: f64, width_s: f64, slots: usize },
 }
 
 impl Axis {
-    /// Each value's own time where there are no more of these than two a pixel, or else a slot a pixel.
+    /// Each value's own time if there are at most two of them per pixel, otherwise one slot per pixel.
     fn new(curves: &[Rc<Curve>], (from_s, to_s): (f64, f64), pixels: u32) -> Self {
         let most = 2 * pixels as usize;
         let mut times = Vec::new();
         for curve in curves {
             let range = curve.range(from_s, to_s);
             let mut own = Vec::new();
-            // Many rows may have few values; where they have many, the first of them say so.
+            // Many rows may hold few values; if they hold many, the first rows already show it.
             for start in range.clone().step_by(ROWS_AT_ONCE) {
                 let rows = start..(start + ROWS_AT_ONCE).min(range.end);
                 curve.each(rows, &mut |_, time_s, _| own.push(time_s));
@@ -121,7 +121,7 @@ impl Axis {
         }
     }
 
-    /// A curve's values at the axis' points.
+    /// A curve's values at the points of the axis.
     fn put(&self, curve: &Curve, range: Range<usize>) -> OnAxis {
         let length = match self {
             Self::Exact(times) => times.len(),
@@ -145,7 +145,7 @@ impl Axis {
                     (((time_s - from_s) / width_s) as usize).min(slots.saturating_sub(1))
                 }
             };
-            // Of a NaN and a number these are the number.
+            // `min` and `max` of NaN and a number return the number.
             if let Some(least) = on_axis.least.get_mut(point) {
                 *least = least.min(value);
             }
@@ -162,7 +162,7 @@ impl Axis {
     }
 }
 
-/// From when to when there is a gap that is wider than a point of the axis, and how many values there are.
+/// Start and end of every gap wider than a point of the axis, and the number of values.
 fn gaps(curve: &Curve, range: Range<usize>, width_s: f64) -> (Vec<f64>, u32) {
     let gap_s = curve.gap_s(range.clone()).unwrap_or(f64::INFINITY).max(width_s);
     let (mut gaps_s, mut values, mut last) = (Vec::new(), 0, None);

@@ -1,14 +1,14 @@
-//! The module's interface: numbers and memory, as WebAssembly has them.
+//! The module's interface: numbers and memory, as WebAssembly provides them.
 //!
-//! The caller asks for memory ([`allocate`]), writes a request's JSON and the bytes with it there, and hands
-//! both over ([`ask`]). What it gets is the place of six numbers: where the answer's JSON, its numbers (f64)
-//! and its bytes lie, and how many of each there are. They are there until the next call.
+//! The caller requests memory ([`allocate`]), writes the request's JSON and its bytes there, and hands both
+//! over ([`ask`]). It gets the address of six numbers: the addresses and lengths of the answer's JSON, its
+//! numbers (f64) and its bytes. They remain valid until the next call.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::engine::Reply;
 
-/// Where the parts of an answer lie.
+/// Addresses and lengths of the parts of an answer.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Places {
@@ -20,7 +20,7 @@ pub struct Places {
     bytes_length: usize,
 }
 
-/// The last answer, and where its parts lie.
+/// The last answer, and the addresses of its parts.
 struct Last {
     reply: Reply,
     places: Places,
@@ -31,20 +31,21 @@ static LAST: Mutex<Option<Box<Last>>> = Mutex::new(None);
 #[cfg(target_arch = "wasm32")]
 #[link(wasm_import_module = "pylon")]
 unsafe extern "C" {
-    /// Is told what is being done (UTF-8), how many steps are done, and of how many; 0: nobody knows.
+    /// Receives what is being done (UTF-8), the number of steps done and their total; 0 if the total is not
+    /// known.
     fn progress(what: *const u8, length: usize, done: f64, of: f64);
 }
 
 #[cfg(target_arch = "wasm32")]
 fn tell(what: &str, done: u64, of: u64) {
-    // SAFETY: the page's function reads `length` bytes from `what` while it runs, which are there.
+    // SAFETY: the page's function reads `length` bytes from `what` during the call, and these exist.
     unsafe { progress(what.as_ptr(), what.len(), done as f64, of as f64) }
 }
 
 #[cfg(not(target_arch = "wasm32"))]
 const fn tell(_: &str, _: u64, _: u64) {}
 
-/// Memory of so many bytes, for a request or what comes with it; it is given back by [`ask`].
+/// Allocates memory for a request or for the bytes that come with it; [`ask`] releases it.
 #[unsafe(no_mangle)]
 pub extern "C" fn allocate(size: usize) -> *mut u8 {
     Box::into_raw(vec![0_u8; size].into_boxed_slice()).cast()
@@ -53,7 +54,7 @@ pub extern "C" fn allocate(size: usize) -> *mut u8 {
 /// Answers a request.
 ///
 /// # Safety
-/// Both places must have come from [`allocate`] with these lengths, and are not to be used again.
+/// Both pointers must come from [`allocate`] with these lengths, and must not be used again.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ask(
     request: *mut u8,
@@ -61,7 +62,8 @@ pub unsafe extern "C" fn ask(
     bytes: *mut u8,
     bytes_length: usize,
 ) -> *const Places {
-    // SAFETY: as the caller promises, these are boxes of that length, made by `allocate`, and nobody else's.
+    // SAFETY: the caller guarantees that these are boxes of this length, made by `allocate`, with no other
+    // owner.
     let [request, bytes] = [(request, request_length), (bytes, bytes_length)]
         .map(|(at, length)| unsafe { Box::from_raw(std::ptr::slice_from_raw_parts_mut(at, length)) });
     let reply = answered(&request, &bytes);
@@ -89,7 +91,7 @@ fn answered(request: &[u8], bytes: &[u8]) -> Reply {
     thread_local! {
         static ENGINE: RefCell<Engine> = RefCell::new(Engine::new(&executor::Inline));
     }
-    // The last answer's memory is the next one's.
+    // The last answer's memory is freed for the next.
     drop(locked().take());
     ENGINE.with_borrow_mut(|engine| engine.ask(request, bytes, &mut tell))
 }

@@ -1,5 +1,5 @@
-//! What a plan says is what the flight then tells: the scenario is flown, with the effect in it that was
-//! found, and diagnosed.
+//! A plan's predictions hold in the flight: its scenario is flown with the effect that was found, and
+//! diagnosed.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test")]
 
@@ -50,8 +50,8 @@ fn plan(leg: Value) -> Value {
     json!({ "speed_mps": 28.0, "altitude_m": 1200.0, "calibration_s": 60.0, "legs": [leg] })
 }
 
-/// A short flight that is faster from the release on: what acts is seen, and not whether it is the speed or
-/// the release.
+/// A short flight that is faster from the release on: it shows that an effect acts, but not whether the cause
+/// is the speed or the release.
 const POOR: &str = "name = \"poor\"
 [captive]
 duration_s = 60.0
@@ -66,7 +66,7 @@ id = \"baro.dynamic_pressure\"
 coefficient = 0.08
 ";
 
-/// One that shows plainly what acts.
+/// A flight that clearly shows the acting effect.
 const PLAIN: &str = "name = \"plain\"
 [captive]
 duration_s = 60.0
@@ -98,7 +98,7 @@ fn the_interval_that_a_plan_promises_is_the_one_that_its_flight_brings() {
     assert_eq!(promised["sigma_now"], now["sigma"], "what is said to be now is what the diagnosis says");
     assert_eq!(promised["coefficient"], now["coefficient"]);
 
-    // The scenario as it is saved, with the effect that acts.
+    // The saved scenario, with the acting effect.
     let scenario = answer["scenario"].as_str().unwrap().to_owned()
         + "\n[[effect]]\nid = \"baro.dynamic_pressure\"\ncoefficient = 0.08\n";
     let promised = promised["sigma_then"].as_f64().unwrap();
@@ -107,9 +107,10 @@ fn the_interval_that_a_plan_promises_is_the_one_that_its_flight_brings() {
         let both = asked(&mut engine, "diagnose", of(&["first", "second"]), &[]).unwrap();
         let then = candidate(&both, "baro", "baro.dynamic_pressure");
         let (sigma, off) = (then["sigma"].as_f64().unwrap(), then["coefficient"].as_f64().unwrap() - 0.08);
-        // The variance goes with that of the wander, which is known from some ten of its correlation times in
-        // the first flight: a factor of (2/10)^1/2, and twice that is 0.1 to 1.9 of it, or 0.3 to 1.4 of the
-        // sigma; with the second flight the wander is known anew, and the inflation for what does not repeat.
+        // The variance is proportional to that of the wander, which the first flight determines from about
+        // ten of its correlation times: a factor of (2/10)^1/2, and twice that is 0.1 to 1.9 of it, or 0.3 to
+        // 1.4 of the sigma. With the second flight the wander is estimated again, and so is the inflation for
+        // what does not repeat.
         assert!((0.3..2.0).contains(&(sigma / promised)), "promised {promised}, came {sigma}");
         assert!(off.abs() < 4.0 * promised, "off by {off}, promised {promised}");
     }
@@ -131,7 +132,7 @@ fn what_moves_nothing_narrows_nothing() {
         &mut engine,
         json!({ "manoeuvre": "speed_sweep", "amount": 8.0, "duration_s": 20.0, "times": 2 }),
     );
-    // More of the same adds next to nothing; no plan takes anything away.
+    // More of the same adds almost nothing; no plan removes information.
     assert!((0.9..=1.0 + 1e-9).contains(&level), "{level}");
     assert!(sweep < 0.85 * level, "{sweep} against {level}");
 }

@@ -1,4 +1,4 @@
-//! What an engine remembers of a diagnosis makes no addition different, only sooner.
+//! An engine's memory of a diagnosis changes no addition; it only makes it faster.
 
 #![expect(clippy::unwrap_used, reason = "a test")]
 
@@ -26,8 +26,8 @@ fn add(effect: &str, model: &Value, learned: &[&str], held: &[&str]) -> Value {
     })
 }
 
-/// The effect that acts; one with a lag's other shapes; with a time constant; of the reference; one that the
-/// other explains; and one that was added before.
+/// The acting effect; one with other shapes of a lag; one with a time constant; one of the reference; one
+/// that another explains; and one that was added before.
 #[test]
 fn an_addition_after_a_diagnosis_is_that_of_an_engine_that_has_made_none() {
     let (learned, held) = (["hidden-static-port"], ["hidden-static-port-second"]);

@@ -1,4 +1,4 @@
-//! What a page asks and is answered, on a simulated flight with a hidden static-port error.
+//! A page's requests and their answers, on a simulated flight with a hidden static-port error.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test")]
 
@@ -10,7 +10,7 @@ fn asked(engine: &mut Engine, call: &str, of: Value, bytes: &[u8]) -> Reply {
     engine.ask(request.as_bytes(), bytes, &mut |_, _, _| {})
 }
 
-/// The answer, and its arrays by a path in it.
+/// An answer, whose arrays are found by their path in it.
 struct Answer {
     json: Value,
     numbers: Vec<f64>,
@@ -54,7 +54,7 @@ fn a_file_that_is_no_log_is_refused_in_the_importers_own_words_and_nothing_is_lo
         let why = error(&reply);
         assert!(why.starts_with("bad.bin: ") && why.contains(says) && !why.contains('\n'), "{why}");
     }
-    // The one that was open under that name still is.
+    // The flight that was open under that name still is.
     let reply = asked(&mut engine, "flight", json!({ "flight": "one", "times": {} }), &[]);
     assert!(reply.json.contains("one.csv"), "{}", reply.json);
     let why = error(&asked(&mut engine, "flight", json!({ "flight": "two", "times": {} }), &[]));
@@ -120,13 +120,13 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
         rms(&error(&after)),
         rms(&error(&before))
     );
-    // The error before less the error after is the prediction, but for the bias that the calibration takes
-    // differently.
+    // The error before less the error after is the prediction, except that the calibration estimates a
+    // different bias.
     let predicted = &before.array("/curves/1/least")[free.clone()];
     let left: Vec<f64> =
         error(&before).iter().zip(&error(&after)).zip(predicted).map(|((b, a), p)| b - a - p).collect();
     assert!(rms(&left) < 0.25 * rms(predicted), "{} {}", rms(&left), rms(predicted));
-    // Beyond the reference there is less, and its sigma is that of a wander of metres.
+    // The error beyond the reference is smaller, and its sigma is that of a wander of metres.
     let beyond = &after.array("/curves/2/least")[free.clone()];
     assert!(rms(beyond) < rms(&error(&after)), "{} {}", rms(beyond), rms(&error(&after)));
     let sigma = after.array("/curves/2/sigma");
@@ -166,7 +166,7 @@ fn an_effect_is_found_added_and_the_error_falls_as_its_prediction_said() {
     formulas(&mut engine, &default, coefficient);
 }
 
-/// The same effect by a formula of one's own.
+/// The same effect by the user's own formula.
 fn formulas(engine: &mut Engine, default: &Value, learned: f64) {
     let check = |engine: &mut Engine, on: &str, regressor: &str| {
         let of = json!({
@@ -192,7 +192,7 @@ fn formulas(engine: &mut Engine, default: &Value, learned: f64) {
     let own = check(engine, "baro", "tas_mps^2 / (2*g)");
     let definition = &own.json["definition"];
     let coefficient = definition["coefficient"].as_f64().unwrap();
-    // The eye's fit, which knows no noise and no other effect, is near the one that is learned.
+    // The fit for display, which ignores the noise and other effects, is near the learned coefficient.
     assert!((coefficient - learned).abs() < 0.4 * learned.abs(), "{coefficient} {learned}");
     assert!(definition["explained"].as_f64().unwrap() > 0.4, "{definition}");
     assert_eq!(
@@ -203,7 +203,7 @@ fn formulas(engine: &mut Engine, default: &Value, learned: f64) {
     let (x, y) = (own.array("/definition/x"), own.array("/definition/y"));
     assert!(x.len() == y.len() && x.len() > 100 && x.len() <= 400, "{}", x.len());
 
-    // What if: the curve of the definition is the catalogue's.
+    // What if: the definition's curve equals the catalogue's.
     let curve = |engine: &mut Engine, model: &Value, effect: &str| {
         let acting = json!({ "effect": effect, "coefficient": 1.0, "time_constant_s": null, "since": null });
         let of = json!({
@@ -217,7 +217,7 @@ fn formulas(engine: &mut Engine, default: &Value, learned: f64) {
     assert!(same.iter().zip(&catalogue).all(|(a, b)| (a.is_nan() && b.is_nan()) || (a - b).abs() <= 1e-3));
     assert!(same.iter().filter(|value| value.is_finite()).count() > 200);
 
-    // An error of the reference has the other sign; what every sensor has is it with its sign turned again.
+    // An error of the reference has the opposite sign; an error of every sensor is its negative.
     let on = |engine: &mut Engine, on: &str| {
         let checked = check(engine, on, "tas_mps^2 / (2*g)").json;
         checked["definition"]["coefficient"].as_f64().unwrap()

@@ -1,6 +1,6 @@
-//! What the module says in WebAssembly is what the engine says natively, to the last digit: other
-//! instructions, another mathematics library, one thread. `apps/pylon/tests/studio_engine.rs` holds the
-//! engine against the command line.
+//! The module's results in WebAssembly are the engine's native results, to the last digit, in spite of other
+//! instructions, another mathematics library and a single thread. `apps/pylon/tests/studio_engine.rs`
+//! compares the engine with the command line.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test")]
 
@@ -16,7 +16,7 @@ use studio_engine::Engine;
 const TARGET: &str = "wasm32-unknown-unknown";
 const FLIGHTS: [&str; 3] = ["quickstart", "hidden-static-port", "paper-reconstruction"];
 
-/// Two threads, the last job first.
+/// An executor with two threads that starts with the last job.
 struct Pair;
 
 impl Executor for Pair {
@@ -40,7 +40,7 @@ impl Executor for Pair {
     }
 }
 
-/// Builds the module as the site has it; its file.
+/// Builds the module as for the site and returns its path.
 fn module() -> PathBuf {
     let mut build = Command::new(env!("CARGO"));
     build.args(["build", "--package", "studio-engine", "--lib", "--profile", "studio", "--target", TARGET]);
@@ -63,7 +63,7 @@ fn in_wasm(module: &Path, flight: &Path, request: &str) -> Vec<u8> {
     output.stdout
 }
 
-/// Where two texts part.
+/// The first place where two texts differ.
 fn first_difference(a: &[u8], b: &[u8]) -> String {
     let at = a.iter().zip(b).take_while(|(a, b)| a == b).count();
     let around = |text: &[u8]| {

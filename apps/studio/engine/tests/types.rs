@@ -1,5 +1,5 @@
-//! The page's types are the engine's: `src/generated/protocol.ts` is made of them. `UPDATE_TYPES=1` writes it
-//! anew.
+//! The page's types are the engine's: `src/generated/protocol.ts` is generated from them. `UPDATE_TYPES=1`
+//! writes it again.
 
 #![cfg(feature = "typescript")]
 
@@ -19,7 +19,7 @@ const HEAD: &str = "\
 
 ";
 
-/// Every type that has a name of its own, and its declaration.
+/// Every named type and its declaration.
 struct Declarations {
     config: Config,
     seen: BTreeSet<TypeId>,

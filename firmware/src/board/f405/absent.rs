@@ -1,4 +1,4 @@
-//! A link that this board does not have: nothing ever comes of it, which is no fault.
+//! A link that this board does not have: it never delivers anything, which is not a fault.
 
 use drivers::{AltitudeLink, SensorError, VehicleLink, VehicleState};
 

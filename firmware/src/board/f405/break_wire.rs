@@ -1,7 +1,7 @@
-//! The umbilical's break-wire: a pin that is pulled up, and that the mother ship holds at ground.
+//! The umbilical's break-wire: a pin that is pulled up and that the mother ship holds at ground.
 //!
-//! The tick polls its level, and nothing else looks at it: the launch's decision needs no more than the
-//! tick's 5 ms, and an interrupt for every edge is one that a dangling wire could starve the tick with.
+//! The tick polls its level, and nothing else reads it. A resolution of one tick, 5 ms, is enough to decide
+//! the launch, and with an interrupt for every edge a dangling wire could starve the tick.
 
 use cortex_m::asm;
 use drivers::{LaunchDiscrete, SensorError};
@@ -23,12 +23,12 @@ impl BreakWire {
         Self { pin: pin.into_pull_up_input(), opened_us: None, closings: 0 }
     }
 
-    /// At which poll it was first open, microseconds of the mission; `None`: it is closed.
+    /// Time of the poll at which it was first open, microseconds of the mission; `None` if it is closed.
     pub const fn opened_us(&self) -> Option<u64> {
         self.opened_us
     }
 
-    /// How often it has closed again; saturates.
+    /// Number of times that it has closed again; saturates.
     pub const fn closings(&self) -> u32 {
         self.closings
     }
@@ -36,10 +36,10 @@ impl BreakWire {
 
 /// Whether the wire is open, before the board has been started.
 pub fn umbilical_is_open() -> Option<bool> {
-    /// Cycles of the 16 MHz that a reset leaves for the pull-up of at most 50 kOhm (DS8626 rev 10, table 48)
-    /// to load the wire: 60 us are twenty times 50 kOhm and 60 pF.
+    /// Cycles, at the 16 MHz clock after a reset, in which the pull-up of at most 50 kOhm (DS8626 rev 10,
+    /// table 48) charges the wire: 60 us are twenty times 50 kOhm and 60 pF.
     const SETTLING_CYCLES: u32 = 1_000;
-    // SAFETY: nobody else has these before the board has been started, and that sets them all again.
+    // SAFETY: nothing else uses these before the board has been started, and the start sets them all again.
     let (rcc, port) = unsafe { (&*RCC::ptr(), &*GPIOA::ptr()) };
     rcc.ahb1enr().modify(|_, w| w.gpioaen().enabled());
     port.moder().modify(|_, w| w.moder3().input());

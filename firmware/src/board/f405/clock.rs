@@ -1,4 +1,4 @@
-//! The board's clocks: the core's, what a tick costs by it, and the mission's time.
+//! The board's clocks: the core's, the cost of a tick measured with it, and the mission's time.
 
 use cortex_m::peripheral::{DCB, DWT};
 use flight_record::CostUnit;
@@ -13,28 +13,28 @@ use super::wiring::{CORE_MHZ, CRYSTAL_MHZ, Led};
 use crate::board::Next;
 use crate::tick_timer::TICK_HZ;
 
-/// The timers' clock: APB1 runs at a quarter of the core's, its timers at twice that.
+/// The timers' clock, MHz: APB1 runs at a quarter of the core's, its timers at twice that.
 const TIMER_MHZ: u16 = 84;
 /// The same in Hz.
 pub const TIMER_HZ: u32 = TIMER_MHZ as u32 * 1_000_000;
 
-/// Prescaler that makes 10 kHz of the timers' clock.
+/// Prescaler that divides the timers' clock to 10 kHz.
 pub const TIMER_10_KHZ: u16 = TIMER_MHZ * 100 - 1;
 
-/// The clock tree: the crystal or the internal oscillator, through the PLL. Both run and are locked by now
-/// (`oscillator.rs`): the HAL waits for nothing.
+/// The clock tree: the crystal or the internal oscillator, through the PLL. Both are running and locked by
+/// now (`oscillator.rs`), so the HAL does not wait.
 pub fn tree(is_internal: bool) -> Config {
     let config = if is_internal { Config::hsi() } else { Config::hse(CRYSTAL_MHZ.MHz()) };
     config.sysclk(CORE_MHZ.MHz()).require_pll48clk()
 }
 
-/// Counts the core's cycles, for what a tick costs, and microseconds, for when something is. The cycle
-/// counter stands still while some cores sleep: it cannot say how long nothing was done.
+/// Counts the core's cycles, for the cost of a tick, and microseconds, for points in time. The cycle counter
+/// stops while some cores sleep, so it cannot measure idle time.
 #[derive(Clone, Copy)]
 pub struct CostClock;
 
 impl CostClock {
-    /// What it counts.
+    /// Unit of the cost.
     pub const UNIT: CostUnit = CostUnit::Cycles;
 
     pub(super) fn start(mut dcb: DCB, mut dwt: DWT) {
@@ -42,7 +42,7 @@ impl CostClock {
         dwt.enable_cycle_counter();
     }
 
-    /// What share of a tick that is, per mille.
+    /// A cost as a share of a tick, per mille.
     pub const fn permille_of_a_tick(cost: u32) -> Option<u16> {
         const CYCLES: u64 = (CORE_MHZ * 1_000_000 / TICK_HZ) as u64;
         let permille = cost as u64 * 1_000 / CYCLES;
@@ -54,19 +54,19 @@ impl CostClock {
         None
     }
 
-    /// Now, for what a tick costs, cycles; wrapping.
+    /// Current cycle count, for the cost of a tick; wraps.
     pub fn now() -> u32 {
         DWT::cycle_count()
     }
 
-    /// Now, for when a tick begins, microseconds: the low half of the mission's; wrapping.
+    /// Current time, for the start of a tick, microseconds: the low half of the mission's time; wraps.
     pub fn time() -> u32 {
         // SAFETY: reading the timer changes nothing.
         unsafe { (*TIM5::ptr()).cnt().read().bits() }
     }
 }
 
-/// Starts TIM5: the low half of the mission's microseconds, which runs whatever the core does.
+/// Starts TIM5: the low half of the mission's microseconds. It runs whatever the core does.
 pub(super) fn start_timer(tim5: &TIM5, rcc: &RCC, now_us: u64) {
     rcc.apb1enr().modify(|_, w| w.tim5en().enabled());
     tim5.psc().write(|w| w.psc().set(TIMER_MHZ - 1));
@@ -76,7 +76,7 @@ pub(super) fn start_timer(tim5: &TIM5, rcc: &RCC, now_us: u64) {
     tim5.cr1().modify(|_, w| w.cen().enabled());
 }
 
-/// The clock of the mission: TIM5 in microseconds, carried beyond its 32 bits at every tick. The LED changes
+/// The mission's clock: TIM5 in microseconds, extended beyond its 32 bits at every tick. The LED toggles
 /// every half second as long as there are ticks.
 pub struct Source {
     tim5: TIM5,
@@ -86,13 +86,13 @@ pub struct Source {
 }
 
 impl Source {
-    /// With the timer that [`start_timer`] has set to that time.
+    /// Uses the timer that [`start_timer`] has set to this time.
     pub(super) fn start(tim5: TIM5, led: Led, now_us: u64) -> Self {
         let clock = WideClock::new(now_us, now_us as u32);
         Self { tim5, clock, led: led.into_push_pull_output(), ticks_to_blink: 0 }
     }
 
-    /// Every tick runs the mission; a flight cannot wait.
+    /// Every tick runs the mission, because a flight cannot wait.
     pub fn next(&mut self, _sensors: &mut Sensors, _room: bool) -> Next {
         if self.ticks_to_blink == 0 {
             self.led.toggle();

@@ -1,7 +1,7 @@
-//! The telemetry's line: USART1's transmitter, fed by DMA.
+//! The telemetry line: USART1's transmitter, fed by DMA.
 //!
-//! Stream and channel are part of [`Transfer`]'s type, and the HAL's table of RM0090's mapping must have them
-//! together for this to compile.
+//! Stream and channel are part of [`Transfer`]'s type. It compiles only if the HAL's table of RM0090's
+//! mapping contains this combination.
 
 use embedded_dma::ReadBuffer;
 use stm32f4xx_hal::dma::config::DmaConfig;
@@ -14,11 +14,11 @@ use telemetry::Frame;
 use super::wiring::{TELEMETRY_CHANNEL, TelemetryStream, TelemetryTx, TelemetryUart};
 use crate::downlink::BAUD;
 
-/// A frame that the DMA reads: where it lies does not change while it does.
+/// A frame that the DMA reads; it does not move during the transfer.
 struct Loaded(&'static mut Frame);
 
-// SAFETY: the frame is static, so it neither moves nor ends; the pointer and the length are those of a slice
-// of it, which nobody writes to while the transfer holds it.
+// SAFETY: the frame is static, so it is neither moved nor dropped. The pointer and the length are those of a
+// slice of it, which nothing writes to while the transfer holds it.
 unsafe impl ReadBuffer for Loaded {
     type Word = u8;
 
@@ -28,10 +28,10 @@ unsafe impl ReadBuffer for Loaded {
     }
 }
 
-/// The line.
+/// The telemetry line.
 pub struct Line {
     transfer: Transfer<TelemetryStream, TELEMETRY_CHANNEL, Tx<TelemetryUart>, MemoryToPeripheral, Loaded>,
-    /// The frame that the DMA does not hold; only an error of the DMA could keep both.
+    /// The frame that the DMA does not hold; only a DMA error could keep both.
     spare: Option<Loaded>,
     busy: bool,
 }
@@ -57,9 +57,10 @@ impl Line {
         Some(Self { transfer, spare: Some(Loaded(second)), busy: false })
     }
 
-    /// Whether the next frame can go; called by the interrupt, which may also have been pended.
+    /// Whether the next frame can be sent; called by the interrupt, which may also have been pended by
+    /// software.
     pub fn is_free(&mut self) -> bool {
-        // A frame that the DMA failed on is lost; the receiver sees its sequence number missing.
+        // A frame on which the DMA failed is lost; the receiver notices the missing sequence number.
         if self.busy && (self.transfer.is_transfer_complete() || self.transfer.is_transfer_error()) {
             self.transfer.clear_flags(DmaFlag::TransferComplete | DmaFlag::TransferError);
             self.busy = false;
@@ -76,7 +77,8 @@ impl Line {
                 self.spare = Some(sent);
                 self.busy = true;
             }
-            // Without double buffering there is no such error; the frame is then lost, and the next is tried.
+            // Without double buffering this error cannot occur. If it did, the frame would be lost and the
+            // next one tried.
             Err(error) => self.spare = Some(returned(error)),
         }
     }

@@ -46,10 +46,10 @@ use crate::tick_timer::TickTimer;
 /// The board's name.
 pub const NAME: &str = "f405";
 
-/// What the board needs in static memory.
+/// The board's static memory.
 pub struct Storage {
     sensors: SensorStorage,
-    /// What the telemetry's DMA reads.
+    /// The frames that the telemetry's DMA reads.
     frames: [Frame; 2],
 }
 
@@ -60,17 +60,17 @@ impl Storage {
     }
 }
 
-/// From a reset to the first tick, microseconds: 2 ms until the crystal runs (DS8626, table 39), 0.3 ms until
-/// the PLL has locked (table 42), the first period of the tick, and the start's code, most of it at 16 MHz:
-/// some 8 ms. A closed wire, which no vehicle in free flight has, takes 20 ms more.
+/// Time from a reset to the first tick, microseconds: 2 ms until the crystal runs (DS8626, table 39), 0.3 ms
+/// until the PLL has locked (table 42), the first period of the tick, and the start's code, most of it at 16
+/// MHz: some 8 ms. A closed wire, which no vehicle in free flight has, takes 20 ms more.
 const RESTART_US: u64 = 15_000;
-/// More where the crystal does not start: 64,000 looks of five to ten cycles at 16 MHz.
+/// Additional time if the crystal does not start, microseconds: 64,000 polls of five to ten cycles at 16 MHz.
 const CRYSTAL_WAIT_US: u64 = 30_000;
 
-/// What comes before anything else: the watchdog, which bounds every wait after it, the clock, and the
+/// Runs before anything else: starts the watchdog, which bounds every later wait, then the clock and the
 /// retained memory.
 pub fn prepare(device: &Peripherals) {
-    // A debugger that halts the core must not find it reset.
+    // The watchdogs stop while a debugger halts the core, so that they do not reset it.
     device.DBGMCU.apb1_fz().modify(|_, w| w.dbg_iwdg_stop().set_bit().dbg_tim4_stop().set_bit());
     independent_watchdog::start_independent_watchdog(&device.IWDG);
     match oscillator::start(&device.RCC) {
@@ -81,16 +81,16 @@ pub fn prepare(device: &Peripherals) {
     backup::open_retained(device);
 }
 
-/// Whether the wire is open, or opens within the 20 ms of the launch's debounce: a separation that shakes the
-/// supply makes the wire bounce as well, and one look at a closed moment would throw the latch away as
-/// yesterday's.
+/// Whether the wire is open, or opens within the 20 ms of the launch's debounce. A separation that shakes the
+/// supply also makes the wire bounce, and a single reading while it is closed would discard the latch as one
+/// from an earlier flight.
 fn umbilical_is_open() -> Option<bool> {
-    /// Looks, each of which takes 63 us at the 16 MHz that a reset leaves: they take 20 ms.
+    /// Number of polls, each of which takes 63 us at the 16 MHz clock after a reset: 20 ms in total.
     const LOOKS: u32 = 320;
     Some((0..LOOKS).any(|_| break_wire::umbilical_is_open() == Some(true)))
 }
 
-/// What is known of the reset before the board is started.
+/// The facts about the reset that are known before the board is started.
 pub fn reset_facts() -> ResetFacts {
     ResetFacts {
         source: backup::reset_source(),
@@ -101,8 +101,8 @@ pub fn reset_facts() -> ResetFacts {
     }
 }
 
-/// Starts the board; after a restart its clock goes on where the report says, less the standby that is still
-/// to come.
+/// Starts the board. After a restart its clock continues from the time in the report, less the remaining
+/// standby.
 pub fn start(
     device: Peripherals,
     mut core: cortex_m::Peripherals,
@@ -150,12 +150,12 @@ pub fn start(
     })
 }
 
-/// The pause of a flight computer that keeps crashing: nothing is said of any sensor, and log and telemetry
-/// say why, once a second.
+/// Standby of a flight computer that keeps crashing: no sensor is reported, and log and telemetry give the
+/// reason once a second.
 pub fn stand_by(report: &RestartReport, line: &mut Line, watchdog: &mut Watchdog) {
     for (second, _) in (0_u8..).zip(0..report.pause_us / 1_000_000) {
         defmt::error!("standby after {=str}", report.cause.name());
-        // Free, a second after the last one.
+        // It is free a second after the last frame.
         if line.is_free() {
             line.send(&telemetry::standby(report, second));
         }
@@ -166,12 +166,12 @@ pub fn stand_by(report: &RestartReport, line: &mut Line, watchdog: &mut Watchdog
     }
 }
 
-/// Starts again: a flight computer does not stop.
+/// Restarts, because a flight computer does not stop.
 pub fn exit(_status: ExitStatus) -> ! {
     SCB::sys_reset()
 }
 
-/// The chips feed themselves: what is left is to say in the log how they do.
+/// The chips need no input from here, so this only logs their health.
 pub struct Feeder {
     health_log: SensorHealthLog,
 }

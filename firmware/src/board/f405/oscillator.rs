@@ -1,4 +1,4 @@
-//! The registers of the clock tree (RM0090 rev 21, chapter 7), until the HAL takes over what runs.
+//! The registers of the clock tree (RM0090 rev 21, chapter 7), before the HAL takes over the running clock.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,7 +16,7 @@ const _: () = assert!(CRYSTAL_MHZ.is_multiple_of(INPUT_MHZ));
 /// Whether the core runs on the internal oscillator.
 static IS_INTERNAL: AtomicBool = AtomicBool::new(false);
 
-/// Starts the crystal, or the internal oscillator in its place, and the PLL.
+/// Starts the crystal, or else the internal oscillator, and the PLL.
 pub fn start(rcc: &RCC) -> Result<Oscillator, NoClock> {
     let oscillator = start_clock(&mut Registers(rcc))?;
     IS_INTERNAL.store(oscillator == Oscillator::Internal, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! The results' line.
+//! The results line.
 
 use flight_record::{Encoder, ExitStatus, Header, MAX_STUFFED, Payload, SensorSource, Stream};
 use stm32f4xx_hal::nb;
@@ -21,14 +21,14 @@ impl Sink {
         let config = Config::default().baudrate(RESULTS_BAUD.bps());
         let line = usart.tx(pin, config, rcc).map_err(|_| ExitStatus::NoOutput)?;
         let mut sink = Self { line, encoder: Encoder::new(), failed: false };
-        // A reset may have torn a frame, to which a header without a zero before it would be glued, and be
-        // lost with it.
+        // A reset may have cut a frame. Without a zero before it, the header would be appended to that frame
+        // and lost with it.
         sink.failed = !sink.send(&[0]);
         sink.write(&Header::new(Stream::Outputs, FINGERPRINT, SensorSource::Chips));
         Ok(sink)
     }
 
-    /// Sends one result; waits for the line, which the ticks preempt. A failure shows in
+    /// Sends one result; waits for the line, and the ticks preempt the wait. A failure shows in
     /// [`Self::status`].
     pub fn write<P: Payload>(&mut self, payload: &P) {
         let mut buffer = [0; MAX_STUFFED];
@@ -39,8 +39,8 @@ impl Sink {
         self.failed |= !sent;
     }
 
-    /// Byte by byte: the HAL's `embedded_io::Write` says "wrote nothing" when the line is busy, on which
-    /// its `write_all` panics.
+    /// Byte by byte, because the HAL's `embedded_io::Write` reports zero bytes written when the line is busy,
+    /// on which its `write_all` panics.
     fn send(&mut self, bytes: &[u8]) -> bool {
         bytes.iter().all(|&byte| nb::block!(self.line.write(byte)).is_ok())
     }

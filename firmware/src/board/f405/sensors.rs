@@ -23,13 +23,15 @@ use super::wiring::{
     UmbilicalUart,
 };
 
-/// Ranges, and how the chip sits in the vehicle. 16 g: an ejector's push, and what a parted lanyard gives.
+/// Ranges, and the chip's orientation in the vehicle. 16 g: an ejector's push, and the jerk of a parting
+/// lanyard.
 const IMU: icm42688p::Config = icm42688p::Config {
     accel_range: AccelRange::G16,
     gyro_range: GyroRange::Dps2000,
     mounting: Mounting::ALIGNED,
 };
-/// The flight's datum is mean sea level: what the mother ship sends over the umbilical has it too.
+/// The flight's datum is mean sea level; the altitude that the mother ship sends over the umbilical has the
+/// same.
 const RECEIVER: ublox::Config =
     ublox::Config { datum: Datum::MeanSeaLevel, period_ms: RECEIVER_PERIOD_MS, baud: RECEIVER_BAUD };
 
@@ -39,7 +41,7 @@ pub type ReceiverPort = Port<ReceiverUart, ReceiverStream>;
 /// The line to the mother ship.
 pub type UmbilicalPort = Port<UmbilicalUart, UmbilicalStream>;
 
-/// All of them.
+/// All sensors.
 pub type Sensors = Suite<
     Watched<Ublox<ReceiverPort>>,
     Watched<BaroDriver<BaroDevice>>,
@@ -50,18 +52,18 @@ pub type Sensors = Suite<
     Watched<BreakWire>,
 >;
 
-/// How many of them the log tells of, and how many lines.
+/// Number of devices in the log, and of lines.
 const WATCHES: usize = 5;
 const LINES: usize = 2;
 
-/// What writes their outcomes to the log.
+/// Writes their outcomes to the log.
 pub type SensorHealthLog = HealthLog<WATCHES, LINES>;
 
-/// What the log calls a device at the end of a line, and the line.
+/// Name in the log of a device at the end of a line, and of that line.
 const RECEIVER_NAME: &str = "satellite receiver";
 const UMBILICAL_NAME: &str = "umbilical";
 
-/// What a line needs in static memory.
+/// Static memory of a line.
 struct LineStorage {
     ring: Ring,
     counts: LineCounts,
@@ -73,7 +75,7 @@ impl LineStorage {
     }
 }
 
-/// What they need in static memory.
+/// Static memory of the sensors.
 pub struct SensorStorage {
     receiver_line: LineStorage,
     umbilical_line: LineStorage,
@@ -85,7 +87,7 @@ pub struct SensorStorage {
 }
 
 impl SensorStorage {
-    /// Nothing yet.
+    /// Empty.
     pub const fn new() -> Self {
         Self {
             receiver_line: LineStorage::new(),
@@ -98,7 +100,7 @@ impl SensorStorage {
         }
     }
 
-    /// What writes their outcomes to the log.
+    /// The log of their outcomes.
     pub fn health_log(&'static self) -> SensorHealthLog {
         let Self { receiver, barometer, imu, umbilical, break_wire, .. } = self;
         HealthLog::new(
@@ -114,7 +116,7 @@ impl SensorStorage {
     }
 }
 
-/// Starts the satellite receiver's line. Pulled up, a line without anybody at its other end is quiet.
+/// Starts the satellite receiver's line. It is pulled up, so a line with nothing at its other end is quiet.
 pub fn receiver_port(
     uart: ReceiverUart,
     (tx, rx): (ReceiverTx, ReceiverRx),
@@ -128,7 +130,7 @@ pub fn receiver_port(
     Ok(Port::start::<RECEIVER_CHANNEL>(serial, stream, ring, counts, RECEIVER_BAUD))
 }
 
-/// Starts the line to the mother ship, likewise.
+/// Starts the line to the mother ship, in the same way.
 pub fn umbilical_port(
     uart: UmbilicalUart,
     (tx, rx): (UmbilicalTx, UmbilicalRx),

@@ -1,8 +1,8 @@
-//! The chips' SPI buses, each with one chip.
+//! The chips' SPI buses, with one chip each.
 //!
-//! A transfer waits for its last bit. In master mode the clock is the board's own, so no chip can hold it up:
-//! a dead one reads as 0, and one that is not there as 1 (the pin is pulled up). The most that the drivers
-//! move in one tick takes [`WAIT_US`] microseconds of its 5,000.
+//! A transfer waits for its last bit. In master mode the clock is the board's own, so no chip can delay it: a
+//! dead chip reads as 0, and a missing one as 1 (the pin is pulled up). The most that the drivers transfer in
+//! one tick takes [`WAIT_US`] microseconds of its 5,000.
 
 use core::convert::Infallible;
 
@@ -22,14 +22,13 @@ use super::wiring::{
 };
 use crate::tick_timer::TICK_HZ;
 
-/// Cycles of the core between two bytes: the HAL looks at the status and moves the data, over the peripheral
-/// bus.
+/// The core's cycles between two bytes: the HAL reads the status and moves the data over the peripheral bus.
 const CYCLES_BETWEEN_BYTES: u32 = 100;
 
 /// Longest time that a tick spends waiting for both buses, microseconds.
 const WAIT_US: u32 = bus_us(icm42688p::MAX_POLL_BYTES, IMU_SPI_HZ) + bus_us(BARO_POLL_BYTES, BARO_SPI_HZ);
 
-// 85 us, with a BMP390 143: in a tick in which every register of the inertial unit is written again.
+// 85 us, with a BMP390 143: for a tick in which every register of the inertial unit is written again.
 const _: () = assert!(WAIT_US <= 1_000_000 / TICK_HZ * 3 / 100, "the buses take more than 3 % of a tick");
 
 const fn bus_us(bytes: usize, hz: u32) -> u32 {

@@ -1,9 +1,9 @@
-//! A UART whose receiver is emptied by a DMA stream into a ring: no byte costs an interrupt, and none is lost
-//! while a tick computes. The driver at the other end takes what has arrived at each tick.
+//! A UART whose receiver a DMA stream empties into a ring: no byte costs an interrupt, and none is lost while
+//! a tick computes. At each tick the driver takes what has arrived.
 //!
 //! # Errors
-//! [`RingReader`] says which; each is counted ([`LineCounts`]), and each discards what has arrived until
-//! then: a frame is broken in any case, and the driver finds the next one.
+//! [`RingReader`] defines them. Each is counted ([`LineCounts`]) and discards what has arrived so far: a
+//! frame is broken in any case, and the driver finds the next one.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering, fence};
 
@@ -22,12 +22,12 @@ use super::wiring;
 
 /// Bytes of a ring: 22 ms at 115,200 baud, so that ticks may come 11 ms apart.
 const RING_BYTES: usize = 256;
-// What has arrived in that time must go in one poll.
+// One poll must be able to take what has arrived in that time.
 const _: () = assert!(
     arrived(wiring::RECEIVER_BAUD) <= ublox::MAX_POLL_BYTES
         && arrived(wiring::UMBILICAL_BAUD) <= umbilical::MAX_POLL_BYTES
 );
-/// Bits of a byte on the line: start, data, stop.
+/// Bits per byte on the line: start, data, stop.
 const BITS: u64 = 10;
 
 /// Bytes that arrive in 11 ms.
@@ -35,7 +35,7 @@ const fn arrived(baud: u32) -> usize {
     baud as usize / BITS as usize * 11 / 1_000
 }
 
-/// What the DMA writes into.
+/// The memory that the DMA writes to.
 pub type Ring = [AtomicU8; RING_BYTES];
 
 /// An empty ring.
@@ -43,24 +43,24 @@ pub const fn ring() -> Ring {
     [const { AtomicU8::new(0) }; RING_BYTES]
 }
 
-/// What went wrong on a line since power-up. All saturate.
+/// Errors on a line since power-up. All counts saturate.
 pub struct LineCounts {
     /// Polls that found a framing error or an overrun of the receiver: a wrong rate, a loose wire.
     pub broken: AtomicU32,
-    /// Polls that came so late that bytes may have been written over.
+    /// Polls so late that bytes may have been overwritten.
     pub late: AtomicU32,
-    /// Times that the DMA stream had stopped, and was started again.
+    /// Times that the DMA stream had stopped and was restarted.
     pub stopped: AtomicU32,
 }
 
 impl LineCounts {
-    /// Nothing yet.
+    /// No errors yet.
     pub const fn new() -> Self {
         Self { broken: AtomicU32::new(0), late: AtomicU32::new(0), stopped: AtomicU32::new(0) }
     }
 }
 
-/// Only the tick writes these.
+/// Increments a counter. Only the tick writes these.
 fn count(counter: &AtomicU32) {
     counter.store(counter.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
 }
@@ -75,8 +75,8 @@ pub struct Port<UART: Instance, Stream> {
 }
 
 impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stream> {
-    /// Takes a UART that has been set up for receiving by DMA. The stream and its channel are the UART's own,
-    /// or this does not compile.
+    /// Takes a UART that has been set up to receive by DMA. It compiles only with the UART's own stream and
+    /// channel.
     pub fn start<const CHANNEL: u8>(
         serial: Serial<UART>,
         mut stream: Stream,
@@ -89,7 +89,7 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
         Rx<UART>: DMASet<Stream, CHANNEL, PeripheralToMemory>,
     {
         let receiver: &Rx<UART> = serial.as_ref();
-        // RM0090, 10.3.17, for a stream that a reset has stopped. Direct mode: a byte that has been counted
+        // RM0090, 10.3.17, for a stream that a reset has stopped. In direct mode a byte that has been counted
         // is not held back in the FIFO.
         stream.set_peripheral_address(receiver.address());
         stream.set_channel(ChannelX::<CHANNEL>::VALUE);
@@ -121,25 +121,24 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> Port<UART, Stre
         );
         self.stream.set_memory_address(self.ring.as_ptr() as u32);
         self.stream.set_number_of_transfers(RING_BYTES as u16);
-        // What came before nobody waits for: it has left its error behind.
+        // Bytes from before are not needed, but have left an error behind.
         self.serial.clear_idle_interrupt();
         self.reader.restart(CostClock::time());
-        // SAFETY: the stream is stopped and set up; the ring is static, and nobody but the stream writes to
-        // it.
+        // SAFETY: the stream is stopped and set up; the ring is static, and only the stream writes to it.
         unsafe { self.stream.enable() };
     }
 
-    /// Looks how far the DMA has come.
+    /// Checks how far the DMA has come.
     fn look(&mut self) -> Result<(), ErrorKind> {
-        // A fault of the bus stops it (RM0090, 10.3.18).
+        // A bus error stops the stream (RM0090, 10.3.18).
         if !self.stream.is_enabled() {
             count(&self.counts.stopped);
             self.begin();
             return Err(ErrorKind::Other);
         }
-        // From the count to the byte's place in memory the DMA takes a few cycles of the bus: the look at the
-        // flags, over the slower peripheral bus, takes longer. And no byte is read before. Their own look
-        // clears the flags, together with the DMA's next fetch (RM0090, 30.6.1).
+        // After counting a byte the DMA needs a few bus cycles to write it to memory. Reading the flags, over
+        // the slower peripheral bus, takes longer, and no byte is read earlier. Reading the flags clears
+        // them, together with the DMA's next fetch (RM0090, 30.6.1).
         let remaining = self.stream.number_of_transfers();
         let flags = self.serial.flags();
         fence(Ordering::Acquire);
@@ -173,7 +172,7 @@ impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> embedded_io::Re
 }
 
 impl<UART: Instance, Stream: stm32f4xx_hal::dma::traits::Stream> embedded_io::Read for Port<UART, Stream> {
-    /// Takes what has arrived; waits for nothing, so that it may be 0 bytes.
+    /// Takes what has arrived, without waiting; it may be 0 bytes.
     fn read(&mut self, bytes: &mut [u8]) -> Result<usize, ErrorKind> {
         let mut taken = 0;
         for byte in bytes {

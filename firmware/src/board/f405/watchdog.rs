@@ -15,7 +15,7 @@ impl Watchdog {
         rcc.apb1enr().modify(|_, w| w.tim4en().enabled());
         tim4.psc().write(|w| w.psc().set(TIMER_10_KHZ));
         tim4.arr().write(|w| w.arr().set((10 * TIMEOUT_MS) as u16));
-        // A feed must not look like the timer's end.
+        // A feed must not look like an expiry of the timer.
         tim4.cr1().write(|w| w.urs().set_bit());
         tim4.egr().write(|w| w.ug().set_bit());
         tim4.sr().modify(|_, w| w.uif().clear());
@@ -25,7 +25,7 @@ impl Watchdog {
         Self(tim4)
     }
 
-    /// All is well for another while.
+    /// Restarts the timer.
     pub fn feed(&mut self) {
         self.0.egr().write(|w| w.ug().set_bit());
         feed_independent_watchdog();

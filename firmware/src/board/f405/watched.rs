@@ -1,5 +1,4 @@
-//! What the log says of the board's devices: that one delivers, or why it does not, each time that this
-//! changes.
+//! Logs the state of the board's devices: that one delivers, or why it does not, whenever this changes.
 
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -14,17 +13,17 @@ use super::break_wire::BreakWire;
 use super::uart::LineCounts;
 use crate::tick_timer::TICK_HZ;
 
-/// What came of a device's last poll that had something to say. Nothing yet is zero, whatever the layout of
-/// the others: what begins with zeros takes no flash.
+/// Outcome of a device's last poll that had one. "None yet" is zero, whatever the layout of the others,
+/// because data initialised to zeros takes no flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 enum Outcome {
     Silent = 0,
     Delivers,
     Fails(SensorError),
-    /// It has closed again so often.
+    /// The wire is closed; it has closed again this many times.
     Closed(u32),
-    /// Since then, microseconds of the mission.
+    /// The wire has been open since this time, microseconds of the mission.
     Open(u64),
 }
 
@@ -38,7 +37,7 @@ impl Outcome {
     }
 }
 
-/// A device whose outcomes the log tells.
+/// A device whose outcomes are logged.
 pub struct Watch(Mutex<Cell<Outcome>>);
 
 impl Watch {
@@ -54,7 +53,7 @@ impl Watch {
     }
 }
 
-/// A driver that is watched.
+/// A watched driver.
 pub struct Watched<Driver> {
     driver: Driver,
     watch: &'static Watch,
@@ -128,12 +127,12 @@ impl LaunchDiscrete for Watched<BreakWire> {
     }
 }
 
-/// A device, and the outcome that the log gave last.
+/// A device, and the outcome last logged.
 struct LoggedDevice {
     name: &'static str,
     watch: &'static Watch,
     outcome: Outcome,
-    /// Ticks until it may be logged again: what changes with every tick is logged once a second.
+    /// Ticks until it may be logged again: a device that changes at every tick is logged once a second.
     quiet_ticks: u32,
 }
 
@@ -160,7 +159,7 @@ impl LoggedDevice {
     }
 }
 
-/// A line, and the error counts that the log gave last.
+/// A line, and the error counts last logged.
 struct LoggedLine {
     name: &'static str,
     counts: &'static LineCounts,
@@ -189,14 +188,14 @@ impl LoggedLine {
     }
 }
 
-/// Logs what has changed about devices and lines.
+/// Logs changes of devices and lines.
 pub struct HealthLog<const DEVICES: usize, const LINES: usize> {
     devices: [LoggedDevice; DEVICES],
     lines: [LoggedLine; LINES],
 }
 
 impl<const DEVICES: usize, const LINES: usize> HealthLog<DEVICES, LINES> {
-    /// Nothing has been logged.
+    /// A log with no entries yet.
     pub fn new(
         devices: [(&'static str, &'static Watch); DEVICES],
         lines: [(&'static str, &'static LineCounts); LINES],
@@ -212,7 +211,7 @@ impl<const DEVICES: usize, const LINES: usize> HealthLog<DEVICES, LINES> {
         }
     }
 
-    /// Logs what has changed; called once a tick.
+    /// Logs changes; called once a tick.
     pub fn log_changes(&mut self) {
         self.devices.iter_mut().for_each(LoggedDevice::log_changes);
         self.lines.iter_mut().for_each(LoggedLine::log_changes);

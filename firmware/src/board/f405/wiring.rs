@@ -1,10 +1,9 @@
-//! What is wired to which pin, and at what rate it runs. Nothing else in the image names a pin or a rate of
-//! this board: another board with this chip is another one of these files.
+//! The pins, what is wired to them, and the rates of the lines. Nothing else in the image names a pin or a
+//! rate of this board: another board with this chip needs only its own version of this file.
 //!
 //! The pins are those of the OMNIBUS F4 family, which many boards share (ArduPilot's `hwdef/omnibusf4pro`):
-//! the inertial unit on SPI1, the barometer on SPI3, pads for the UARTs. `docs/bring-up.md` has this as
-//! tables, from the first lines of these comments; `cargo test --package xtask` holds the one against the
-//! other.
+//! the inertial unit on SPI1, the barometer on SPI3, pads for the UARTs. `docs/bring-up.md` shows this as
+//! tables, built from the first lines of these comments; `cargo test --package xtask` compares the two.
 
 use drivers::umbilical::Sender;
 use stm32f4xx_hal::dma::{Stream1, Stream2, Stream7};

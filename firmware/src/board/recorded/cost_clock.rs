@@ -1,4 +1,4 @@
-//! What a tick costs: TIM5's count, without the models' work.
+//! The cost of a tick: TIM5's count, without the work of the chip models.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -8,15 +8,15 @@ use stm32f4xx_hal::pac::TIM5;
 
 use super::machine;
 
-/// Counts the flight computer's instructions, or cycles: TIM5, which is this clock's alone once it runs,
-/// without those of the models of its chips.
+/// Counts the flight computer's instructions or cycles with TIM5, which only this clock uses once it runs.
+/// The work of the models of its chips is excluded.
 #[derive(Clone, Copy)]
 pub struct CostClock;
 
-/// What the models of the chips have taken, counts of [`CostClock`].
+/// The work of the chip models, counts of [`CostClock`].
 static MODELS_WORK: AtomicU32 = AtomicU32::new(0);
 
-/// Keeps the models' work out of the count.
+/// Excludes the models' work from the count.
 #[derive(Clone, Copy)]
 pub struct ModelsWork;
 
@@ -27,13 +27,13 @@ impl WorkObserver for ModelsWork {
 
     fn end(&mut self, begun: u32) {
         let took = CostClock::time().wrapping_sub(begun);
-        // No read-modify-write is needed: only a tick polls sensors, and nothing interrupts it that does.
+        // No read-modify-write is needed: only a tick polls sensors, and no interrupt of a tick does.
         MODELS_WORK.store(MODELS_WORK.load(Ordering::Relaxed).wrapping_add(took), Ordering::Relaxed);
     }
 }
 
 impl CostClock {
-    /// What it counts.
+    /// Unit of the cost.
     pub const UNIT: CostUnit = machine::COST_UNIT;
 
     pub(super) fn start(tim5: &TIM5, rcc: &stm32f4xx_hal::pac::RCC) {
@@ -44,25 +44,25 @@ impl CostClock {
         tim5.cr1().modify(|_, w| w.cen().enabled());
     }
 
-    /// What share of a tick that is, per mille: none can be said. Instructions are no time, and the cycles
-    /// are of another clock than the flight's.
+    /// A cost as a share of a tick, per mille: not defined. Instructions are not time, and the cycles are
+    /// those of another clock than the flight's.
     pub const fn permille_of_a_tick(_cost: u32) -> Option<u16> {
         None
     }
 
-    /// Since the last reset, where that is known.
+    /// Counts since the last reset, if known.
     pub fn since_reset() -> Option<u32> {
         machine::since_reset()
     }
 
-    /// Now, for what a tick costs: without the models' work; wrapping.
+    /// Current count without the models' work, for the cost of a tick; wraps.
     pub fn now() -> u32 {
         Self::time().wrapping_sub(MODELS_WORK.load(Ordering::Relaxed))
     }
 
-    /// Now, for when a tick begins: all work, wrapping.
+    /// Current count including all work, for the start of a tick; wraps.
     pub fn time() -> u32 {
-        // SAFETY: a read of the counter, which changes nothing; nobody else has TIM5.
+        // SAFETY: reading the counter changes nothing; nothing else uses TIM5.
         unsafe { (*TIM5::ptr()).cnt().read().bits() }
     }
 }

@@ -1,9 +1,9 @@
-//! What QEMU's `netduinoplus2` has of its own.
+//! The properties of QEMU's `netduinoplus2`.
 //!
-//! What QEMU 7.2 has of the STM32F405 is the core with its FPU, the memories, the timers TIM2 to TIM5,
-//! the USARTs and some more; it has no clock tree, so waiting for the crystal or the PLL never ends.
-//! The timers run at 1 GHz whatever the prescalers of the clock tree say; with `-icount shift=0` an
-//! instruction takes one nanosecond, so a timer counts instructions.
+//! QEMU 7.2 emulates of the STM32F405 the core with its FPU, the memories, the timers TIM2 to TIM5, the
+//! USARTs and some more. It has no clock tree, so waiting for the crystal or the PLL never ends. The timers
+//! run at 1 GHz whatever the prescalers of the clock tree are set to; with `-icount shift=0` an instruction
+//! takes one nanosecond, so a timer counts instructions.
 
 use flight_record::CostUnit;
 use stm32f4xx_hal::gpio::PA9;
@@ -22,31 +22,32 @@ pub const TIMER_HZ: u32 = 1_000_000_000;
 pub const CORE_HZ: u32 = 168_000_000;
 /// What a timer counts.
 pub const COST_UNIT: CostUnit = CostUnit::Instructions;
-/// How often the line's progress is looked at, counts of a timer: not a fifth of a tick, so that within 30 s
-/// a look has come at every part of a tick's 5 ms.
+/// Interval between checks of the line's progress, counts of a timer: not a fifth of a tick, so that within
+/// 30 s the checks cover every part of a tick's 5 ms.
 pub const LOOK: u32 = 999_967;
-/// Bytes of one read from the host.
+/// Size of one read from the host, bytes.
 pub const CHUNK: usize = 512;
-/// Bytes of results that are gathered for one write: each is written as it comes, so that a flight computer
-/// that is struck has lost none.
+/// Size of the results gathered for one write, bytes. Each result is written immediately, so that a flight
+/// computer that is reset loses none.
 pub const BATCH: usize = 0;
 
-/// Whatever the clock tree is set to, its clocks are those of the constants here.
+/// Whatever the clock tree is set to, the clocks are those of the constants here.
 pub const fn has_clocks(_clocks: &Clocks) -> bool {
     true
 }
 
-/// Nothing here is halted by a debugger.
+/// No debugger halts anything here.
 pub const fn stop_with_the_core(_debug: &DBGMCU) {}
 
-/// Counts of a timer since the last reset: QEMU's count from there on, started or not.
+/// Counts of a timer since the last reset, which is where QEMU's count starts, whether or not the timer was
+/// started.
 pub fn since_reset() -> Option<u32> {
-    // SAFETY: a read of the counter of a timer that nobody has.
+    // SAFETY: a read of the counter of an unused timer.
     Some(unsafe { (*TIM4::ptr()).cnt().read().bits() })
 }
 
-/// What the telemetry's line goes out on: QEMU 7.2's USART hands on a byte as soon as it is written and
-/// raises no interrupt for it, nor has QEMU the DMA.
+/// The output of the telemetry line: QEMU 7.2's USART forwards a byte as soon as it is written, without an
+/// interrupt, and QEMU has no DMA.
 pub struct Wire(Tx<USART1>);
 
 impl Wire {
@@ -59,7 +60,7 @@ impl Wire {
     /// Sends a frame.
     pub fn send(&mut self, bytes: &[u8]) {
         for byte in bytes {
-            // The emulated USART always has room and knows no error.
+            // The emulated USART always has room and never fails.
             let _ = self.0.write(*byte);
         }
     }

@@ -1,8 +1,7 @@
-//! The telemetry's line, at the pace of TIM3.
+//! The telemetry line, paced by TIM3.
 //!
-//! A frame is given to the wire whole, and is on the line until as much time has passed as its bytes take.
-//! TIM3 runs on from the start, for one of QEMU's timers that is started again later is late by the time that
-//! has passed.
+//! A frame is given to the wire at once, and counts as being on the line for as long as its bytes take. TIM3
+//! runs from the start, because a timer of QEMU that is restarted later is late by the time that has passed.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -16,36 +15,36 @@ use super::machine::{LOOK, TIMER_HZ, Wire};
 use crate::downlink::BAUD;
 use crate::mutation;
 
-/// What a byte takes with its start and stop bit, counts of a timer.
+/// Duration of a byte with its start and stop bit, counts of a timer.
 const BYTE: u32 = (10 * TIMER_HZ as u64 / BAUD as u64) as u32 * mutation::LINE_SLOWNESS;
-/// Below the tick, as the real board's DMA (RTIC's priority 2, in the upper four bits and counted from
+/// Below the tick, as for the real board's DMA (RTIC's priority 2, in the upper four bits and counted from
 /// above).
 const PRIORITY: u8 = (16 - 2) << 4;
 
-/// For how long what was sent is still on the line, counts of a timer.
+/// Remaining time for which what was sent is still on the line, counts of a timer.
 static OWED: AtomicU32 = AtomicU32::new(0);
 
-/// The time between two looks has passed.
+/// The interval between two checks has passed.
 #[interrupt]
 fn TIM3() {
-    // SAFETY: nobody else touches the timer once it runs.
+    // SAFETY: nothing else touches the timer once it runs.
     unsafe { &*TIM3::ptr() }.sr().modify(|_, w| w.uif().clear());
     pass(LOOK);
 }
 
-/// So much time has passed, counts of a timer.
+/// Advances the line by this much time, counts of a timer.
 pub fn pass(counts: u32) {
     // Never an error: the closure always has a value.
     let _ = OWED.fetch_update(Ordering::AcqRel, Ordering::Acquire, |owed| Some(owed.saturating_sub(counts)));
     NVIC::pend(Interrupt::DMA2_STREAM7);
 }
 
-/// The line.
+/// The telemetry line.
 pub struct Line(Wire);
 
 impl Line {
-    /// Takes USART1, its pin and TIM3; `None` if the USART cannot be set to [`BAUD`].
-    /// After a restart something else says that time passes ([`pass`]).
+    /// Takes USART1, its pin and TIM3; `None` if the USART cannot be set to [`BAUD`]. After a restart the
+    /// time is advanced from elsewhere ([`pass`]).
     pub fn start(
         usart: USART1,
         pin: PA9,
@@ -59,11 +58,11 @@ impl Line {
             return Some(Self(wire));
         }
         rcc.apb1enr().modify(|_, w| w.tim3en().enabled());
-        // SAFETY: the register has 16 bits, the emulated one 32, and the machine's number has no more.
+        // SAFETY: the register has 16 bits, the emulated one 32, and the machine's constant fits.
         timer.arr().write(|w| unsafe { w.bits(LOOK - 1) });
         timer.sr().modify(|_, w| w.uif().clear());
         timer.dier().modify(|_, w| w.uie().enabled());
-        // SAFETY: the handler shares nothing with what runs now but an atomic.
+        // SAFETY: the handler shares only an atomic with the code that runs now.
         unsafe {
             nvic.set_priority(Interrupt::TIM3, PRIORITY);
             NVIC::unmask(Interrupt::TIM3);
@@ -72,7 +71,7 @@ impl Line {
         Some(Self(wire))
     }
 
-    /// Whether the next frame can go: the last one will be through before the next look.
+    /// Whether the next frame can be sent: the last one will be finished before the next check.
     pub fn is_free(&mut self) -> bool {
         OWED.load(Ordering::Acquire) < LOOK
     }

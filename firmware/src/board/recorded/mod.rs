@@ -1,12 +1,12 @@
-//! The board that flies a flight record, which the host gives it through semihosting: in QEMU's
+//! The board that flies a flight record, which it reads from the host through semihosting: in QEMU's
 //! `netduinoplus2` (`emulated.rs`), or in an STM32F405 on its debug link (`silicon.rs`).
 //!
-//! Time is the record's. How fast the ticks come, and whether they wait for the host, is nothing to the
+//! Time is the record's. The pace of the ticks, and whether they wait for the host, does not affect the
 //! flight.
 //!
-//! The first interrupt of one of QEMU's timers comes after the period and, once more, the time at which the
-//! timer was started, which after a reset is the whole flight so far. So after a restart SysTick, which is
-//! the watchdog's timer, makes the tick as well and paces the line.
+//! The first interrupt of a QEMU timer comes late by the time at which the timer was started, which after a
+//! reset is the whole flight so far. So after a restart SysTick, which is the watchdog's timer, also drives
+//! the tick and paces the line.
 
 mod cost_clock;
 #[cfg(feature = "board-qemu")]
@@ -53,7 +53,7 @@ use crate::tick_timer::TickTimer;
 /// The sensors of the flight record.
 pub type Sensors = &'static mut RecordedSensors<ModelsWork>;
 
-/// What the board needs in static memory.
+/// The board's static memory.
 pub struct Storage {
     inputs: Queue<Item, INPUTS>,
     ended: AtomicBool,
@@ -67,10 +67,10 @@ impl Storage {
     }
 }
 
-/// The sensors, whose chips a reset of the flight computer leaves as they are: where the start clears no
-/// memory.
+/// The sensors, whose chips keep their state over a reset of the flight computer: in memory that the start
+/// does not clear.
 struct KeptSensors {
-    /// [`Self::MADE`] once they are there; an emulation begins with zeros.
+    /// [`Self::MADE`] once they exist; an emulation starts with zeros.
     made: u32,
     sensors: MaybeUninit<RecordedSensors<ModelsWork>>,
 }
@@ -81,16 +81,17 @@ static mut SENSORS: MaybeUninit<KeptSensors> = MaybeUninit::uninit();
 impl KeptSensors {
     const MADE: u32 = 0x4348_4950;
 
-    /// The sensors: after a restart those that there are, with new drivers.
+    /// The sensors: after a restart the existing ones, with new drivers.
     ///
     /// # Safety
-    /// Once only.
+    /// Only once.
     unsafe fn claim(source: SensorSource, has_restarted: bool) -> Sensors {
         let kept: *mut Self = (&raw mut SENSORS).cast();
-        // SAFETY: nobody else has them, as the caller promises; any bits are a number.
+        // SAFETY: nothing else uses them, as the caller guarantees; any bits are a valid number.
         let Self { made, sensors } = unsafe { &mut *kept };
         if has_restarted && *made == Self::MADE {
-            // SAFETY: they were made, and are a value: a blow strikes at a tick's end, when no model works.
+            // SAFETY: they were made, and are in a valid state: a reset comes at a tick's end, when no model
+            // is running.
             let sensors = unsafe { sensors.assume_init_mut() };
             sensors.restart();
             return sensors;
@@ -101,21 +102,21 @@ impl KeptSensors {
     }
 }
 
-/// From the last tick to the first after a restart, microseconds, beside the time that something hung: the
-/// record goes on for as long as the flight computer may take.
+/// Time from the last tick to the first after a restart, microseconds, in addition to the time for which
+/// something hung: the record continues for as long as the flight computer may take.
 const RESTART_US: u64 = 100_000;
 
 unsafe extern "C" {
-    /// Where the linker puts nothing (`memory.x`).
+    /// Start of memory in which the linker places nothing (`memory.x`).
     static _retained_start: u32;
 }
 
-/// The retained memory: RAM, which a reset leaves as it is.
+/// The retained memory: RAM, whose content survives a reset.
 pub fn retained() -> *mut u32 {
     (&raw const _retained_start).cast_mut()
 }
 
-/// Nothing guards the memory, and nothing has to be waited for.
+/// Nothing guards the memory, and there is nothing to wait for.
 pub const fn prepare(_device: &Peripherals) {}
 
 /// There is no crystal that could fail.
@@ -123,25 +124,26 @@ pub const fn clock_is_internal() -> bool {
     false
 }
 
-/// There is no other source; before a flight the memory is full of zeros, in which nothing was kept: QEMU's
-/// RAM comes so, and the host writes them into a board's. The wire is not known before the first tick.
+/// A reset has no other source. Before a flight the memory is all zeros, so nothing is retained: QEMU's RAM
+/// starts that way, and the host writes zeros into a board's. The wire's state is not known before the first
+/// tick.
 pub const fn reset_facts() -> ResetFacts {
     ResetFacts {
         source: ResetSource::Software,
         umbilical_is_open: None,
         counts_per_us: TIMER_HZ / 1_000_000,
-        // None runs.
+        // There is none.
         independent_watchdog_us: 0,
         restart_us: RESTART_US,
     }
 }
 
-/// There is nothing to wait for: the record goes on where standby has ended.
+/// There is nothing to wait for: the record continues where standby has ended.
 pub fn stand_by(report: &RestartReport, line: &mut Line, _watchdog: &mut Watchdog) {
     line.send(&telemetry::standby(report, 0));
 }
 
-/// Starts the board; after a restart, where the record is by the time at which the clock goes on.
+/// Starts the board; after a restart at the place in the record that belongs to the clock's time.
 pub fn start(
     device: Peripherals,
     mut core: cortex_m::Peripherals,
@@ -163,7 +165,7 @@ pub fn start(
         .ok_or(ExitStatus::NoOutput)?;
     CostClock::start(&device.TIM5, &rcc);
     let (feeder, header) = Feeder::open(inputs_in, ended, resumed_us, kept)?;
-    // SAFETY: here alone.
+    // SAFETY: called only here.
     let sensors = unsafe { KeptSensors::claim(header.sensors, has_restarted) };
     Ok(Board {
         feeder,
@@ -180,7 +182,7 @@ pub fn start(
     })
 }
 
-/// Ends the flight: the host gets the status.
+/// Ends the flight and passes the status to the host.
 pub fn exit(status: ExitStatus) -> ! {
     semihosting::process::exit(status.code().into())
 }

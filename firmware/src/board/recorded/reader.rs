@@ -1,4 +1,4 @@
-//! The record, read ahead: bytes of a file of the host's, inputs and faults out, one a tick.
+//! Reads the record ahead: bytes of a file on the host in, inputs and faults out, one per tick.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,10 +15,10 @@ use super::machine::CHUNK;
 use super::{Next, Sensors};
 use crate::retained::RetainedWords;
 
-/// Inputs read ahead, one slot of which stays empty.
+/// Capacity of the inputs read ahead; one slot stays empty.
 pub(super) const INPUTS: usize = 16;
 
-/// What a record brings, in its order.
+/// An item of a record, in its order.
 pub(super) enum Item {
     /// A tick.
     Tick(TickInput),
@@ -26,22 +26,21 @@ pub(super) enum Item {
     Fault(ChipFault),
 }
 
-/// Hands the record's inputs to the sensors, one a tick. Time is the record's.
+/// Passes the record's inputs to the sensors, one per tick. Time is the record's.
 pub struct Source {
     inputs: Consumer<'static, Item>,
     ended: &'static AtomicBool,
 }
 
 impl Source {
-    /// Of what the feeder has read ahead.
+    /// Takes inputs from the queue that the feeder fills.
     pub(super) const fn new(inputs: Consumer<'static, Item>, ended: &'static AtomicBool) -> Self {
         Self { inputs, ended }
     }
 
-    /// What this tick is for. A replay loses nothing: it waits for its input and for room for the
-    /// results.
+    /// The purpose of this tick. A replay loses nothing: it waits for its input and for room for the results.
     pub fn next(&mut self, sensors: &mut Sensors, room: bool) -> Next {
-        // Read before the queue: once it is set no input is added.
+        // Read before the queue: once it is set, no input is added.
         let ended = self.ended.load(Ordering::Acquire);
         if !room {
             return Next::Stall;
@@ -65,7 +64,7 @@ impl Source {
     }
 }
 
-/// A place in the record, between two frames.
+/// A position in the record, between two frames.
 #[derive(Clone, Copy)]
 struct Place {
     /// Bytes before it.
@@ -96,11 +95,11 @@ pub struct Feeder {
     ended: &'static AtomicBool,
     bytes: Bytes,
     decoder: Decoder,
-    /// Inputs before this time have passed while the flight computer restarted.
+    /// Inputs before this time passed while the flight computer restarted.
     from_us: u64,
     skipped: u32,
-    /// Where the inputs that are waiting began, and those before them: all that may not have been flown. A
-    /// chip's fault so shortly before a reset comes once more after it.
+    /// Positions of the waiting inputs and of those before them, which may not have been flown. A chip's
+    /// fault this shortly before a reset is repeated after it.
     places: [Place; INPUTS],
     oldest: usize,
     kept: RetainedWords,
@@ -112,7 +111,7 @@ pub struct Feeder {
 }
 
 impl Feeder {
-    /// Opens the record, reads its header and, after a restart, goes to where it had come.
+    /// Opens the record, reads its header and, after a restart, continues from where it stopped.
     pub(super) fn open(
         inputs: Producer<'static, Item>,
         ended: &'static AtomicBool,
@@ -161,7 +160,7 @@ impl Feeder {
         Ok((feeder, header))
     }
 
-    /// Reads ahead as far as there is room. What is no input is counted and skipped.
+    /// Reads ahead as far as there is room. Anything that is not an input is counted and skipped.
     pub fn feed(&mut self) {
         while self.inputs.ready() && !self.ended.load(Ordering::Relaxed) {
             let Some(byte) = self.bytes.next() else {
@@ -195,7 +194,7 @@ impl Feeder {
                     if !is_fault {
                         self.from_us = 0;
                     }
-                    // Cannot be full: `ready` was asked above.
+                    // Cannot be full: `ready` was checked above.
                     self.inputs.enqueue(item).is_ok()
                 }
                 Err(_) => false,
@@ -221,7 +220,7 @@ impl Feeder {
         self.ended.store(true, Ordering::Release);
     }
 
-    /// Adds what was wrong with the record.
+    /// Adds the faults found in the record.
     pub fn summarise(&self, summary: Summary) -> Summary {
         Summary {
             bad_frames: self.bad_frames,
@@ -247,7 +246,7 @@ struct Bytes {
 impl Bytes {
     fn next(&mut self) -> Option<u8> {
         if self.at >= self.len {
-            // A read that fails is the end of what can be had, and shows as a record that was cut.
+            // A failed read is the end of the available data, and is reported as a record that was cut.
             self.len = self.file.read(&mut self.chunk).ok()?;
             self.at = 0;
             self.read = self.read.wrapping_add(self.len as u32);
@@ -257,7 +256,7 @@ impl Bytes {
         Some(byte)
     }
 
-    /// Where the next byte is in the file.
+    /// Position of the next byte in the file.
     fn offset(&self) -> u32 {
         self.read.wrapping_sub(self.len.saturating_sub(self.at) as u32)
     }

@@ -1,5 +1,5 @@
-//! What an STM32F405 on the desk has of its own: it is fed through its debug link, at the 16 MHz of its
-//! internal oscillator, so that it needs neither a crystal nor a wire but the probe's.
+//! The properties of an STM32F405 on the desk: it is fed through its debug link and runs at the 16 MHz of its
+//! internal oscillator, so that it needs no crystal and no wires but the probe's.
 
 use flight_record::CostUnit;
 use stm32f4xx_hal::gpio::PA9;
@@ -14,12 +14,12 @@ pub const TIMER_HZ: u32 = 16_000_000;
 pub const CORE_HZ: u32 = 16_000_000;
 /// What a timer counts: its clock is the core's.
 pub const COST_UNIT: CostUnit = CostUnit::Cycles;
-/// How often the line's progress is looked at, counts of a timer: just under a millisecond, and not a fifth
-/// of a tick. TIM3 has 16 bits.
+/// Interval between checks of the line's progress, counts of a timer: just under a millisecond, and not a
+/// fifth of a tick. TIM3 has 16 bits.
 pub const LOOK: u32 = 15_999;
-/// Bytes of one read from the host. A call of the host takes milliseconds, however much it brings.
+/// Size of one read from the host, bytes. A semihosting call takes milliseconds, however much it transfers.
 pub const CHUNK: usize = 2_048;
-/// Bytes of results that are gathered for one write, for the same reason.
+/// Size of the results gathered for one write, bytes, for the same reason.
 pub const BATCH: usize = 4_096;
 
 /// Whether the clocks are those of the constants here.
@@ -27,8 +27,8 @@ pub fn has_clocks(clocks: &Clocks) -> bool {
     clocks.timclk1().raw() == TIMER_HZ && clocks.hclk().raw() == CORE_HZ
 }
 
-/// A call of the host halts the core. The timers must stand still with it, or each call would cost ticks, and
-/// the tick that it interrupts would cost what the host takes.
+/// A semihosting call halts the core. The timers must stop with it, or each call would cost ticks, and the
+/// tick that it interrupts would include the host's time.
 pub fn stop_with_the_core(debug: &DBGMCU) {
     debug.apb1_fz().modify(|_, w| {
         w.dbg_tim2_stop()
@@ -47,8 +47,8 @@ pub const fn since_reset() -> Option<u32> {
     None
 }
 
-/// What the telemetry's line goes out on: nothing. A radio that is wired to the board must not send a flight
-/// that is none.
+/// The output of the telemetry line: none. A radio that is wired to the board must not send a simulated
+/// flight.
 pub struct Wire;
 
 impl Wire {

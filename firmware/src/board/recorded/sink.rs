@@ -1,4 +1,4 @@
-//! The results: a file of the host's, frame by frame.
+//! The results: a file on the host, frame by frame.
 
 use flight_record::{Encoder, ExitStatus, Header, Kind, MAX_STUFFED, OUTPUT_FILE, Payload, Stream};
 use flown_mission::FINGERPRINT;
@@ -12,14 +12,14 @@ use super::machine::BATCH;
 pub struct Sink {
     file: File,
     encoder: Encoder,
-    /// What is not written yet.
+    /// Results not yet written.
     batch: &'static mut Vec<u8, BATCH>,
     failed: bool,
 }
 
 impl Sink {
-    /// Begins a stream of outputs for a stream of inputs; after a restart in the same file, from another
-    /// header on.
+    /// Begins a stream of outputs for a stream of inputs. After a restart it continues in the same file, with
+    /// another header.
     pub(super) fn open(
         inputs: &Header,
         goes_on: bool,
@@ -29,7 +29,7 @@ impl Sink {
         let options = options.write(true).append(goes_on).truncate(!goes_on);
         let mut file = options.create(true).open(OUTPUT_FILE).map_err(|_| ExitStatus::NoOutput)?;
         if goes_on {
-            // QEMU 7.2 opens for appending and then writes at the start.
+            // QEMU 7.2 opens for appending but then writes at the start.
             file.seek(SeekFrom::End(0)).map_err(|_| ExitStatus::NoOutput)?;
         }
         let mut sink = Self { file, encoder: Encoder::new(), batch, failed: false };
@@ -37,8 +37,8 @@ impl Sink {
         Ok(sink)
     }
 
-    /// Writes one result; a failure shows in [`Self::status`]. Only ticks may wait for more of them: whatever
-    /// else is told is told now, and after the summary nothing is left.
+    /// Writes one result; a failure shows in [`Self::status`]. Only ticks may be held back in a batch:
+    /// everything else is written at once, so after the summary nothing is left.
     pub fn write<P: Payload>(&mut self, payload: &P) {
         let mut buffer = [0; MAX_STUFFED];
         let written = match self.encoder.encode(payload, &mut buffer) {
@@ -49,7 +49,7 @@ impl Sink {
         self.failed |= !written;
     }
 
-    /// Adds to the batch, and writes it when it is full or may not wait.
+    /// Adds to the batch, and writes it if it is full or may not wait.
     fn gather(&mut self, bytes: &[u8], may_wait: bool) -> bool {
         let has_room = self.batch.capacity() - self.batch.len() >= bytes.len();
         let made_room = has_room || self.flush();

@@ -1,4 +1,4 @@
-//! SysTick as the watchdog's timer, and after a restart as every other.
+//! SysTick as the watchdog's timer, and after a restart also in place of all other timers.
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -13,7 +13,7 @@ use super::machine::{CORE_HZ, TIMER_HZ};
 use crate::tick_timer::TICK_HZ;
 use crate::watchdog::{TIMEOUT_MS, unmask};
 
-/// Ticks that are left before the watchdog strikes.
+/// Ticks left before the watchdog expires.
 static TICKS_LEFT: AtomicU32 = AtomicU32::new(TIMEOUT_MS * TICK_HZ / 1_000);
 
 /// Whether SysTick stands in for the other timers.
@@ -36,7 +36,7 @@ impl Watchdog {
         Self
     }
 
-    /// All is well for another while.
+    /// Restarts the countdown.
     pub fn feed(&mut self) {
         TICKS_LEFT.store(TIMEOUT_MS * TICK_HZ / 1_000, Ordering::Relaxed);
     }

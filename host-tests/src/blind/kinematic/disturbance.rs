@@ -1,4 +1,4 @@
-//! Noise of another family than the estimator's: heavy tails, steps, tones.
+//! Noise of a different family from the estimator's: heavy tails, steps, tones.
 
 use std::f64::consts::TAU;
 
@@ -12,13 +12,13 @@ pub(super) fn normal(random: &mut impl Rng) -> f64 {
     radius * (TAU * random.random::<f64>()).cos()
 }
 
-/// Student's t with four degrees of freedom, scaled to unit variance: a wild reading now and then.
+/// Student's t with four degrees of freedom, scaled to unit variance: an occasional wild reading.
 pub(super) fn heavy_tailed(random: &mut impl Rng) -> f64 {
     let squares: f64 = (0..4).map(|_| normal(random).powi(2)).sum();
     normal(random) / (squares / 4.0).sqrt() / std::f64::consts::SQRT_2
 }
 
-/// A gust: Gauss and Markov's process.
+/// A gust: a Gauss-Markov process.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gust {
     sigma: f64,
@@ -38,12 +38,12 @@ impl Gust {
     }
 }
 
-/// A slow wander made of three tones, which no Gauss-Markov process is.
+/// A slow wander made of three tones, which is not a Gauss-Markov process.
 #[derive(Clone, Debug)]
 pub(super) struct Tones([[f64; 3]; 3]);
 
 impl Tones {
-    /// Of that rms, with periods between these, s.
+    /// Draws tones of that rms, with periods between these, s.
     pub fn draw(random: &mut impl Rng, rms: f64, periods_s: [f64; 2]) -> Self {
         Self(std::array::from_fn(|_| {
             let period_s = log_uniform(random, periods_s[0], periods_s[1]);
@@ -56,7 +56,7 @@ impl Tones {
     }
 }
 
-/// Steps, as of a receiver that changes its satellites: each fades slowly.
+/// Steps, as of a receiver whose satellites change; each fades slowly.
 #[derive(Clone, Debug)]
 pub(super) struct Steps {
     every_s: f64,
@@ -92,7 +92,7 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(1);
         let drawn: Vec<f64> = (0..200_000).map(|_| heavy_tailed(&mut random)).collect();
         let variance = drawn.iter().map(|x| x * x).sum::<f64>() / drawn.len() as f64;
-        // The fourth moment has no bound; the mean square of 200,000 has been seen within 10 %.
+        // The fourth moment has no bound; the mean square of 200,000 has been observed within 10 %.
         assert!((variance - 1.0).abs() < 0.1, "{variance}");
         // P(|t4| > 3 sqrt 2) = 0.0132, in 200,000 with a sigma of 0.00026.
         let beyond = drawn.iter().filter(|x| x.abs() > 3.0).count() as f64 / drawn.len() as f64;

@@ -1,5 +1,5 @@
-//! What the instruments make of the truth: noise with heavy tails, buffeting that grows with the dynamic
-//! pressure, quantisation, signals that lag and are scaled wrongly, held and slow fixes.
+//! The instruments' view of the truth: noise with heavy tails, buffeting that grows with the dynamic
+//! pressure, quantisation, late and wrongly scaled signals, held and slow fixes.
 
 use pylon::flight::{AltitudeDatum, Channel, Column, Flight, Header};
 use pylon::simulate::TruthSample;
@@ -11,7 +11,7 @@ use super::path::STEP_S;
 use super::physics::{self, altitude_m, barometer_pa, inertial_error_m, pressure_pa, receiver};
 use crate::blind::draw::log_uniform;
 
-/// A signal that is measured late, scaled wrongly and with an offset.
+/// A signal that is late, wrongly scaled and has an offset.
 #[derive(Clone, Copy, Debug)]
 struct Signal {
     scale: f64,
@@ -31,7 +31,7 @@ impl Signal {
     }
 }
 
-/// The instruments of one aircraft; the same whenever it flies.
+/// The instruments of one aircraft; the same on all its flights.
 #[derive(Clone, Debug)]
 pub(super) struct Instruments {
     gps_rate_hz: f64,
@@ -97,8 +97,8 @@ impl Instruments {
         }
     }
 
-    /// By how much a coefficient that is right for this aircraft's own signals is smaller than the physical
-    /// one: a signal that reads too much takes that off.
+    /// Ratio of the physical coefficient to the one that is right for this aircraft's own signals: a signal
+    /// that reads too high reduces the latter.
     pub fn effective(&self, id: EffectId) -> f64 {
         let head = self.airspeed.scale * self.airspeed.scale;
         match id {
@@ -109,7 +109,7 @@ impl Instruments {
         }
     }
 
-    /// A receiver that filters its altitude with this time constant, s.
+    /// Makes the receiver filter its altitude with this time constant, s.
     pub fn smooth(&mut self, time_s: f64) {
         self.gps_smoothing_s = time_s;
     }
@@ -119,14 +119,14 @@ fn one_of(random: &mut impl Rng, values: &[f64]) -> f64 {
     values[random.random_range(0..values.len())]
 }
 
-/// A recorded flight, and the noise of each sensor's residual in free flight, rms over whole seconds, m: the
-/// barometer's, the inertial altitude's.
+/// A recorded flight, and the noise of each sensor's residual in free flight, rms over whole seconds, m:
+/// first the barometer's, then the inertial altitude's.
 pub(super) struct Recorded {
     pub flight: Flight,
     pub noise_m: [f64; 2],
 }
 
-/// Rows at which an instrument of that rate is read.
+/// Rows at which an instrument with that rate is read.
 fn due(rows: usize, rate_hz: f64) -> impl Iterator<Item = usize> {
     let every = (1.0 / (rate_hz * STEP_S)).round() as usize;
     (0..rows).step_by(every.max(1))
@@ -167,7 +167,7 @@ pub(super) fn record<R: Rng>(
     Recorded { flight: recorder.flight, noise_m }
 }
 
-/// A flight while its instruments record it, one after the other.
+/// A flight while its instruments record it, one after another.
 struct Recorder<'a, R> {
     truth: &'a [TruthSample],
     effects: &'a [Effect],
@@ -185,7 +185,7 @@ impl<R: Rng> Recorder<'_, R> {
         self.flight.set_channel(Channel::Launch, launch);
     }
 
-    /// The receiver's fixes; its noise where there was a fix, m.
+    /// The receiver's fixes; returns its noise where there was a fix, m.
     fn gps(&mut self) -> Vec<f64> {
         let Self { truth, effects, own, .. } = *self;
         let rows = truth.len();
@@ -259,7 +259,7 @@ impl<R: Rng> Recorder<'_, R> {
         let mut column = Column::empty(truth.len());
         let sensed = barometer_pa(truth, effects, own.is_hose);
         let tones = Tones::draw(self.random, own.baro_wander_m, [8.0, 150.0]);
-        // The speed that the aircraft mostly flies at.
+        // The speed that the aircraft flies at most of the time.
         let cruise = truth.first().map_or(1.0, |sample| sample.airspeed_mps);
         for row in due(truth.len(), own.baro_rate_hz) {
             let buffet = own.baro_buffet_m * (truth[row].airspeed_mps / cruise).powi(2);
@@ -342,7 +342,7 @@ impl<R: Rng> Recorder<'_, R> {
         }
     }
 
-    /// A first-order lag of a row's value, then scale, offset and noise, at a rate.
+    /// A first-order lag of a row's value, then scale, offset and noise, sampled at a rate.
     fn measured(&mut self, signal: &Signal, rate_hz: f64, value: fn(&TruthSample) -> f64) -> Column {
         let mut column = Column::empty(self.truth.len());
         let mut lagged: Option<f64> = None;
@@ -362,7 +362,7 @@ impl<R: Rng> Recorder<'_, R> {
     }
 }
 
-/// Rms over free flight of the noise of (sensor less receiver) in whole seconds, about its mean in captive
+/// Rms in free flight of the noise of (sensor less receiver) over whole seconds, about its mean in captive
 /// flight, m.
 fn residual_noise_m(truth: &[TruthSample], sensor_m: &[f64], gps_m: &[f64]) -> f64 {
     let second = (1.0 / STEP_S).round() as usize;

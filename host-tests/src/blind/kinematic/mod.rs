@@ -1,6 +1,6 @@
-//! A second family of simulated flights, which shares nothing with `pylon simulate` but the record of the
+//! A second family of simulated flights, which shares nothing with `pylon simulate` except the record of the
 //! truth: other motion (kinematics), the effects by their physics, and noise that the estimator does not
-//! assume. DESIGN.md's inverse crime is what it is against.
+//! assume. It guards against DESIGN.md's inverse crime.
 
 mod disturbance;
 mod instruments;
@@ -16,7 +16,7 @@ use super::flight::{Flown, add_glitch, add_outside, natural, spread, unit};
 use instruments::{Instruments, Recorded, record};
 use path::{Airframe, STEP_S};
 
-/// Columns that a flight may lack, with the chance in a hundred.
+/// Columns that a flight may lack, with the chance per hundred.
 const MAY_BE_MISSING: [(&[&str], u32); 7] = [
     (&["aoa_rad", "sideslip_rad"], 30),
     (&["tas_mps"], 10),
@@ -37,10 +37,10 @@ pub(super) fn draw(seed: u64) -> Case {
     Case { family: Family::Kinematic, seed, kind, plan, scenario, missing }
 }
 
-/// Flies a case of this family; with another `number` the same aircraft in other air on another path.
+/// Flies a case of this family; another `number` flies the same aircraft in other air on another path.
 ///
 /// # Errors
-/// When a column is not there.
+/// If a column is missing.
 pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     let mut aircraft = ChaCha8Rng::seed_from_u64(case.seed.wrapping_mul(1000) ^ 0x61_6972);
     let airframe = Airframe::draw(&mut aircraft);
@@ -49,7 +49,7 @@ pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     if let Kind::SmoothedGps(time_s) = case.kind {
         instruments.smooth(time_s);
     }
-    // The coefficients are made from the first flight, whichever is flown.
+    // The coefficients are always computed from the first flight.
     let mut random = air(0);
     let first = path::fly(&airframe, case.plan, &mut random);
     let Recorded { noise_m, .. } = record(&first, &[], &instruments, &mut random);
@@ -92,6 +92,6 @@ pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     for (effect, _) in &mut effects {
         effect.coefficient /= instruments.effective(effect.id);
     }
-    // Sizes are over each effect's own noise already.
+    // Sizes are already relative to each effect's own noise.
     Ok(Flown { flight, effects, noise_m: 1.0 })
 }

@@ -1,8 +1,8 @@
-//! The true motion: flown by what the path is to be, not by forces.
+//! The true motion: flown by prescribing the path, not by forces.
 //!
 //! Flight path, bank and airspeed follow their commands as second-order systems; load factor, turn rate,
 //! angle of attack, throttle and body rates follow from them by the laws of flight. Nothing of
-//! `pylon simulate` is used but the record of the truth.
+//! `pylon simulate` is used except the record of the truth.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,11 +17,11 @@ pub(super) const GRAVITY: f64 = 9.806_65;
 /// Time between rows, s.
 pub(super) const STEP_S: f64 = 0.01;
 
-/// What stays the same whenever this aircraft flies.
+/// Properties that are the same on all flights of this aircraft.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Airframe {
     pub cruise_mps: f64,
-    /// Angle of attack without lift, and that of one g at cruise on top, rad.
+    /// Angle of attack at zero lift, and the increment for one g at cruise, rad.
     angle_rad: [f64; 2],
     /// Drag over weight at cruise: parasitic and induced.
     drag: [f64; 2],
@@ -29,9 +29,10 @@ pub(super) struct Airframe {
     thrust: f64,
     /// Vibration at full throttle, and of the air's buffeting at cruise, m/s^2.
     vibration_mps2: [f64; 2],
-    /// Slip that a bank of one radian brings, rad.
+    /// Sideslip caused by a bank of one radian, rad.
     slip: f64,
-    /// Time constant of the barometer's temperature, s, and what its electronics and the motor warm it by, K.
+    /// Time constant of the barometer's temperature, s, and its heating by its electronics and by the motor,
+    /// K.
     warming: [f64; 3],
 }
 
@@ -53,7 +54,7 @@ impl Airframe {
     }
 }
 
-/// One command: until when, flight path and bank (rad), airspeed (m/s).
+/// One command: its end time, flight path and bank (rad), airspeed (m/s).
 #[derive(Clone, Copy, Debug)]
 struct Command {
     until_s: f64,
@@ -85,7 +86,7 @@ impl Response {
 fn captive_plan(random: &mut impl Rng, cruise: f64, duration_s: f64) -> Vec<Command> {
     let mut commands = Vec::new();
     let mut now_s = 0.0;
-    // One in eight mother ships flies as if she were to excite.
+    // One in eight mother ships manoeuvres as if to excite.
     let lively = if random.random_range(0..8) == 0 { 3.0 } else { 1.0 };
     while now_s < duration_s {
         let length_s = random.random_range(8.0..30.0_f64);
@@ -166,7 +167,7 @@ pub(super) fn fly(airframe: &Airframe, plan: Plan, random: &mut impl Rng) -> Vec
             at += 1;
         }
         let mut command = commands[at];
-        // The ground, and thin air, are no place for a plan.
+        // A plan must avoid the ground and thin air.
         if position[2] < 300.0 {
             command.path_rad = command.path_rad.max(0.12);
         } else if position[2] > 4000.0 {
@@ -181,8 +182,8 @@ pub(super) fn fly(airframe: &Airframe, plan: Plan, random: &mut impl Rng) -> Vec
         track += STEP_S * GRAVITY * load * phi.sin() / (speed * gamma.cos());
 
         let gust = gusts.each_mut().map(|gust| gust.next(random, STEP_S));
-        // Lift answers a vertical gust by what it makes of the angle of attack; drag and side force answer
-        // far more slowly.
+        // Lift responds to a vertical gust through the angle of attack; drag and side force respond far more
+        // slowly.
         let lift_s = airframe.angle_rad[1] * cruise * cruise / (speed * GRAVITY);
         for (moved, (gust, answer_s)) in moved.iter_mut().zip(gust.into_iter().zip([5.0, 3.0, lift_s])) {
             *moved += STEP_S / answer_s * (gust - *moved);
@@ -244,7 +245,7 @@ pub(super) fn fly(airframe: &Airframe, plan: Plan, random: &mut impl Rng) -> Vec
     rows
 }
 
-/// Specific force and body rates from the rows' neighbours.
+/// Specific force and body rates, from neighbouring rows.
 fn differentiate(rows: &mut [TruthSample]) {
     let motion: Vec<([f64; 3], [f64; 3])> =
         rows.iter().map(|row| (row.velocity_mps, row.euler_rad)).collect();
@@ -307,8 +308,8 @@ mod tests {
         fly(&airframe, Plan::Rich, &mut random)
     }
 
-    /// Specific force turned by the quaternion, plus gravity, is what moves the aircraft; the body rates are
-    /// what turns it.
+    /// The specific force rotated by the quaternion, plus gravity, must match the motion; the body rates must
+    /// match the rotation.
     #[test]
     fn force_rates_and_attitude_are_one_motion() {
         let rows = flown(5);

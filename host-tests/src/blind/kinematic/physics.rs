@@ -1,5 +1,5 @@
-//! What the hidden effects do, by their physics rather than by the catalogue's formulas: pressures at the
-//! port, a pressure that is filtered, errors of an accelerometer's axis, a receiver that answers late.
+//! The hidden effects by their physics rather than by the catalogue's formulas: pressures at the port, a
+//! filtered pressure, errors of an accelerometer's axis, a late receiver.
 
 use std::collections::VecDeque;
 
@@ -29,8 +29,8 @@ fn launch(flight: &[TruthSample]) -> Option<&TruthSample> {
     flight.iter().find(|row| !row.captive)
 }
 
-/// Pressure at the barometer, Pa, a row, with what the effects do to it; `is_hose`: a lag is a filter
-/// (tubing), else a pure delay.
+/// Pressure at the barometer, Pa, per row, including the effects; `is_hose`: a lag is a filter (tubing), else
+/// a pure delay.
 pub(super) fn barometer_pa(flight: &[TruthSample], effects: &[Effect], is_hose: bool) -> Vec<f64> {
     let Some(start) = launch(flight) else { return Vec::new() };
     let mut filtered = None;
@@ -50,7 +50,7 @@ pub(super) fn barometer_pa(flight: &[TruthSample], effects: &[Effect], is_hose: 
         for Effect { id, coefficient, time_constant_s, .. } in effects {
             match id {
                 EffectId::BaroDynamicPressure => disturbed_pa -= coefficient * dynamic_pa,
-                // The mother ship's field is there while she is.
+                // The mother ship's field acts while she is there.
                 EffectId::BaroCarrierField if row.captive => disturbed_pa += coefficient * dynamic_pa,
                 EffectId::BaroAngleOfAttack => {
                     disturbed_pa -= coefficient * row.angle_of_attack_rad * dynamic_pa;
@@ -92,8 +92,8 @@ pub(super) fn barometer_pa(flight: &[TruthSample], effects: &[Effect], is_hose: 
     sensed
 }
 
-/// Error of the inertial altitude, m, a row: errors of its accelerometer and attitude, integrated twice from
-/// launch on.
+/// Error of the inertial altitude, m, per row: errors of its accelerometer and attitude, integrated twice
+/// from launch on.
 pub(super) fn inertial_error_m(flight: &[TruthSample], effects: &[Effect]) -> Vec<f64> {
     let Some(start) = launch(flight) else { return Vec::new() };
     let velocity_mps: f64 =
@@ -140,7 +140,7 @@ pub(super) fn inertial_error_m(flight: &[TruthSample], effects: &[Effect]) -> Ve
     errors
 }
 
-/// What the receiver reports at a time: its altitude, m, and how late it is, s.
+/// What the receiver reports at a time: its altitude, m, and its delay, s.
 pub(super) fn receiver(row: &TruthSample, effects: &[Effect]) -> (f64, f64) {
     let (mut added_m, mut late_s) = (0.0, 0.0);
     for Effect { id, coefficient, time_constant_s, .. } in effects {
@@ -156,7 +156,7 @@ pub(super) fn receiver(row: &TruthSample, effects: &[Effect]) -> (f64, f64) {
     (added_m, late_s)
 }
 
-/// What one unit of an effect does to its sensor, m, a row: for the effect's size. A lag and a latency are
+/// What one unit of an effect adds to its sensor, m, per row: for the effect's size. A lag and a latency are
 /// linear in it for slow motions.
 pub(super) fn unit_m(effect: &Effect, flight: &[TruthSample]) -> Vec<f64> {
     let one = [Effect { coefficient: 1.0, ..*effect }];
@@ -200,9 +200,9 @@ mod tests {
         }
     }
 
-    /// Each effect is what the catalogue says, near enough to be that effect: on a flight in free air at
-    /// least 0.97 of correlation with the catalogue's regressor as `pylon simulate` computes it, and a slope
-    /// within 15 % (a bias along the body's axis is less where the aircraft banks).
+    /// Each effect is close enough to the catalogue's definition to be that effect: on a flight in free air
+    /// it correlates by at least 0.97 with the catalogue's regressor as `pylon simulate` computes it, with a
+    /// slope within 15 % (a bias along the body's axis is less where the aircraft banks).
     #[test]
     fn each_effect_is_near_the_catalogues() {
         let mut random = ChaCha8Rng::seed_from_u64(7);

@@ -27,7 +27,7 @@ fn seen(true_error_m: f32) -> Seen {
     }
 }
 
-/// Restarts at these ticks, each told or not.
+/// Restarts at these ticks, each reported or not.
 fn restarted(restarts: &[(usize, bool)]) -> Vec<Invariant> {
     let report = RestartReport {
         start: Start::Resumed,
@@ -79,8 +79,8 @@ fn latched(bound_m2: f32) -> LatchRecord {
     }
 }
 
-/// A flight in which a sensor's error grows by 2 m/s from a tick on, and which the flight computer does not
-/// see for a while.
+/// A flight in which a sensor's error grows by 2 m/s from a tick on, while the flight computer is away for
+/// some time.
 fn drifting(from: usize, away: &std::ops::Range<usize>) -> Watched {
     let error_m = |tick: usize| 0.01 * tick.saturating_sub(from) as f32;
     let mut watched = Watched::default();
@@ -107,9 +107,9 @@ fn pushed(away_until: usize) -> Vec<Invariant> {
     broken(flagged_at(drifting(12_000, &(0..0)), 13_000), drifting(12_000, &(11_990..away_until)))
 }
 
-/// In the faulty flight the altitude leaves its bound of 7 m at tick 14,700. In the clean one it is flagged
-/// before it leaves it, for the receiver is off to the other side: so early nobody owes the flag, whose
-/// average is half a window behind.
+/// In the faulty flight the altitude leaves its bound of 7 m at tick 14,700. The clean flight flags it before
+/// that, because the receiver is off in the other direction. A flag that early is not required: the average
+/// is half a window behind.
 #[test]
 fn a_slow_drift_is_owed_its_flag_when_the_average_can_have_left_the_bound() {
     let flagged = |tick| {
@@ -119,7 +119,7 @@ fn a_slow_drift_is_owed_its_flag_when_the_average_can_have_left_the_bound() {
     assert_eq!(flagged(14_700 + HALF_WINDOW_TICKS * 3 / 2 + GRACE_TICKS), [Invariant::Detection]);
 }
 
-/// The half of the default model's window.
+/// Half of the default model's window.
 #[test]
 fn half_a_window_is_the_default_models() {
     let config = super::super::run::config().unwrap();
@@ -133,7 +133,7 @@ fn a_push_that_no_sample_was_taken_of_is_none_and_any_other_is_owed_its_flag() {
     assert_eq!(pushed(12_000 + PUSH_TICKS), []);
 }
 
-/// Every bias is 13 m off its clean value, as the receiver is from a tick on.
+/// From a tick on, every bias is 13 m off its clean value, as the receiver is.
 fn offset_from(from: usize) -> Vec<Invariant> {
     let mut faulty = drifting(20_000, &(0..0));
     for sensor in &mut faulty.latch.as_mut().unwrap().sensors {

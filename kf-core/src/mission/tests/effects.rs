@@ -35,7 +35,7 @@ fn outcome(config: &MissionConfig<0>, change: impl FnMut(u64, &mut TickInput)) -
 
 #[test]
 fn a_constant_effect_on_the_reference_is_taken_off_its_fixes() {
-    // A cold start: 20 m that fall in over 25 s since power-on.
+    // A cold start: 20 m that decay over 25 s from power-on.
     let converging =
         |k: u64, input: &mut TickInput| add_to_fix(input, 20.0 * (-(k as f32) * 0.005 / 25.0).exp());
     let id = EffectId::GpsConvergence;
@@ -53,7 +53,7 @@ fn a_constant_effect_on_the_reference_is_taken_off_its_fixes() {
     assert!((uncorrected.1 - healthy.1).abs() > 3.0, "{uncorrected:?}");
 }
 
-/// Pitch that swings by 0.3 rad, and an antenna 6 m ahead.
+/// Pitch that oscillates by 0.3 rad, and an antenna 6 m ahead.
 fn swinging(k: u64, input: &mut TickInput) {
     let pitch_rad = 0.3 * (k as f32 * 0.005).sin() + if k < 6_000 { 0.0 } else { 0.5 };
     input.signals.attitude_rad = Some([0.0, pitch_rad, 0.0]);
@@ -74,7 +74,8 @@ fn learns_a_lever_arm<const HEAD: usize, const TAIL: usize>(climb_rate: bool) {
     });
     let learned = latched.unwrap();
     let sigma = learned.variance.sqrt();
-    // 140 fixes of 2 m, a regressor of 0.21 rms: 2 / (0.21 sqrt(140)) = 0.8 m, less what the sensors carry.
+    // 140 fixes of 2 m, a regressor of 0.21 rms: 2 / (0.21 sqrt(140)) = 0.8 m, less what the sensors
+    // contribute.
     assert!((learned.coefficient - 6.0).abs() < 4.0 * sigma && (0.3..1.2).contains(&sigma), "{learned:?}");
     // In free flight 6 sin(0.5) = 2.9 m of it would show.
     let sigma_of_average = 0.5 * sigma + 0.7;
@@ -90,7 +91,7 @@ fn an_effect_on_the_reference_is_learned_from_its_fixes_and_held_after_launch() 
 
 #[test]
 fn the_latched_coefficient_of_an_effect_on_the_reference_corrects_free_flight() {
-    // Known from the start to a centimetre: then the average is as good as a healthy flight's.
+    // Known from the start to a centimetre: then the average is as good as in a healthy flight.
     let mut known = config::<1>(true);
     known.estimated_effects = [EffectTerm::new(EffectId::GpsLeverArm, 6.0, 0.01)];
     let mut last = None;
@@ -131,7 +132,7 @@ fn a_use_outside_of_the_envelope_is_said_and_counted() {
     };
     let mut constant = config::<1>(true);
     constant.constant_effects.push(term).unwrap();
-    // No range, no extrapolation; on the other sensor, and on the reference outside of its range.
+    // No range, no extrapolation; one effect on the other sensor, and one on the reference outside its range.
     constant.estimated_effects =
         [EffectTerm { envelope_m: Some([0.5, 0.9]), ..EffectTerm::new(EffectId::GpsConvergence, 0.0, 1.0) }];
     let mut said = (0, 0);
@@ -175,7 +176,7 @@ fn effects_out_of_range_are_refused() {
     for bad in [warm_up(0.0), warm_up(f32::NAN), within([1.0, 0.0]), within([f32::NAN, 0.0])] {
         assert_eq!(refuse(bad), Some(ConfigError::OutOfRange), "{bad:?}");
     }
-    // A time constant that nothing reads may be anything.
+    // An unused time constant may have any value.
     let lag = EffectTerm::new(EffectId::BaroLag, 1.0, 0.0);
     let regressor = Regressor { time_constant_s: f32::NAN, ..lag.regressor };
     assert_eq!(refuse(EffectTerm { regressor, ..lag }), None);

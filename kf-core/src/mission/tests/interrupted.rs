@@ -7,11 +7,11 @@ use crate::snapshot::{MAX_SNAPSHOT_BYTES, MissionMark, SnapshotError, Stage};
 type Dense = Mission<0, 4, 0>;
 const BARO: usize = 2;
 
-/// The first edge, and the confirmation four ticks later, as the debounce has it.
+/// The first edge, and the confirmation four ticks later, as set by the debounce.
 const EDGE: u64 = 6_000;
 const CONFIRMED: u64 = EDGE + 4;
 
-/// A flight with a wire that bounces under the pylon, and a launch that only the wire shows.
+/// A flight with a wire that bounces in captive flight, and a launch that only the wire shows.
 fn ticks() -> Vec<TickInput> {
     let mut flight = Flight { seed: 7, noise: 1.0 };
     (0..8_000)
@@ -28,14 +28,14 @@ fn ticks() -> Vec<TickInput> {
         .collect()
 }
 
-/// As it is kept.
+/// The stored bytes.
 fn kept(mission: &Dense) -> Vec<u8> {
     let mut bytes = [0; MAX_SNAPSHOT_BYTES];
     let length = mission.snapshot().unwrap().to_bytes(&mut bytes).unwrap();
     bytes[..length].to_vec()
 }
 
-/// A mission after so many ticks.
+/// A mission after this many ticks.
 fn after(ticks: &[TickInput]) -> Dense {
     let mut mission = Dense::new(&config(true)).unwrap();
     for input in ticks {
@@ -58,7 +58,7 @@ fn the_mark_says_how_far_the_launch_had_come() {
         mission.tick(input);
         let MissionMark { stage, suspicions, failed_checks, .. } = mission.mark();
         let expected = match k {
-            // For 20 ms it may have been a bounce of contacts that part.
+            // For 20 ms it may have been a bounce of parting contacts.
             3_000..3_007 | EDGE..CONFIRMED => Stage::Suspected,
             CONFIRMED.. => Stage::Launched,
             _ => Stage::Captive,
@@ -71,8 +71,9 @@ fn the_mark_says_how_far_the_launch_had_come() {
     }
 }
 
-/// What was held before the confirmation, and a word of the tick that confirmed, are the latch to the bit,
-/// and the watch from then on is that of an uninterrupted flight, but for the readings in between.
+/// The calibration held before the confirmation, plus the mark of the confirming tick, equals the latch to
+/// the bit. Monitoring from then on equals that of an uninterrupted flight, except for the readings in
+/// between.
 #[test]
 fn a_snapshot_from_before_the_confirmation_and_the_mark_after_it_are_the_launched_mission() {
     let ticks = ticks();
@@ -92,8 +93,8 @@ fn a_snapshot_from_before_the_confirmation_and_the_mark_after_it_are_the_launche
     assert_eq!((launch_repeats, launch_suspicions, restarts), (0, 1, 1));
 }
 
-/// Of the checks, those of the statistics take three ticks after the first edge; what had not been judged by
-/// then has failed, as nothing is left to judge it by.
+/// The statistical checks take three ticks after the first edge. A check that was not evaluated by then has
+/// failed, because there is no data left to evaluate it with.
 #[test]
 fn a_suspicion_goes_on_as_one_and_latches_what_was_held_at_its_first_edge() {
     let ticks = ticks();
@@ -129,8 +130,8 @@ fn a_suspicion_goes_on_as_one_and_latches_what_was_held_at_its_first_edge() {
     }
 }
 
-/// The filter that had calibrated is gone: what comes after such a suspicion is a calibration of its own,
-/// which settles first.
+/// The filter that had calibrated is gone: after such a suspicion a new calibration begins, which settles
+/// first.
 #[test]
 fn a_suspicion_that_comes_to_nothing_after_a_restart_starts_the_calibration_again() {
     let ticks = ticks();
@@ -193,8 +194,8 @@ fn what_was_held_at_a_bounce_is_what_a_restart_within_it_goes_on_from() {
     );
 }
 
-/// The supply dips while the second bounce's snapshot is written: the first one's is all there is. A bounce
-/// of the wire ten seconds ago is another suspicion still.
+/// The supply dips while the second bounce's snapshot is written: only the first one's is available. A bounce
+/// of the wire ten seconds ago remains a suspicion of its own.
 #[test]
 fn bounces_of_one_parting_are_one_suspicion() {
     let mut ticks = ticks();
@@ -214,7 +215,7 @@ fn bounces_of_one_parting_are_one_suspicion() {
     assert_eq!(restored(&earlier, &second.mark()).err(), Some(SnapshotError::OtherLaunch));
 }
 
-/// A wire that opens and is decided to be broken is no bounce: nothing is suspected after that.
+/// A wire that opens and is found to be broken is no bounce: it raises no suspicion afterwards.
 #[test]
 fn a_suspicion_that_has_lasted_is_over_when_it_is_taken_back() {
     let mut ticks = ticks();

@@ -1,4 +1,4 @@
-//! Outliers and impossible values under the pylon: what they may cost, and that nobody is locked out.
+//! Outliers and impossible values in captive flight: what they may cost, and that no source is locked out.
 
 use super::*;
 
@@ -27,7 +27,7 @@ fn flown(change: impl FnMut(u64, &mut TickInput)) -> Dense {
     })
 }
 
-/// Biases within a quarter of their own sigma of the clean flight's, bounds within 1.3.
+/// Biases within a quarter of their own sigma of the clean flight's, alarm limits within a factor of 1.3.
 fn assert_as_clean(mission: &Dense, clean: &Dense, what: &str) {
     let (latch, clean) = (mission.latch().unwrap(), clean.latch().unwrap());
     for (sensor, clean) in latch.sensors.iter().zip(&clean.sensors) {
@@ -81,8 +81,8 @@ fn one_fix_that_is_wrong_moves_nothing_wherever_it_comes() {
     }
 }
 
-/// A climb rate that is wrong for a second is nobody's who carries a vehicle: none of its five fixes carries
-/// the altitude away.
+/// A climb rate that is wrong for a second is not the carrier's: none of its five fixes may shift the
+/// altitude.
 #[test]
 fn a_climb_rate_that_leaps_for_a_second_is_refused_as_long() {
     let clean = flown(|_, _| {});
@@ -98,7 +98,7 @@ fn a_climb_rate_that_leaps_for_a_second_is_refused_as_long() {
     }
 }
 
-/// What a receiver leaves that wanders by 40 m, its climb rate with it, is no bound to be trusted within.
+/// The alarm limit is not usable if the receiver wanders by 40 m and its climb rate with it.
 #[test]
 fn a_residual_that_is_spread_beyond_its_model_watches_nothing() {
     let mut config = config(true);
@@ -127,8 +127,8 @@ fn a_residual_that_is_spread_beyond_its_model_watches_nothing() {
     }
 }
 
-/// A receiver that was off by 150 m for a third of the calibration is followed there and back: biases and
-/// bounds are of the level that it came back to, and the check says that there was another.
+/// A receiver that was off by 150 m for a third of the calibration is followed there and back. Biases and
+/// alarm limits are those of the level to which it returned, and the check reports that there was another.
 #[test]
 fn a_receiver_that_went_elsewhere_and_came_back_leaves_the_biases_that_were_right() {
     let mut config = config(true);
@@ -154,7 +154,7 @@ fn a_receiver_that_went_elsewhere_and_came_back_leaves_the_biases_that_were_righ
 fn fifty_outliers_leave_the_bound_and_are_said() {
     let clean = flown(|_, _| {});
     for (outliers, expected) in [(20, &[][..]), (50, &["readings_consistent"][..])] {
-        // Of 1,400 readings, either side in turn; 2 % may be implausible.
+        // Of 1,400 readings, alternately on either side; 2 % may be implausible.
         let mission = flown(|k, input| {
             let turn = (k - k.min(FIRST)) / 100;
             if (FIRST..FIRST + outliers * 100).contains(&k) && k % 100 == 0 {
@@ -165,7 +165,7 @@ fn fifty_outliers_leave_the_bound_and_are_said() {
         let failed = failed(&mission);
         assert!(expected.iter().all(|check| failed.contains(check)), "{outliers}: {failed:?}");
         assert_eq!(failed.is_empty(), expected.is_empty(), "{outliers}: {failed:?}");
-        // The first of all is within the prior, and found out by those after it.
+        // The very first is within the prior, and is exposed by those after it.
         let baro = mission.counters().sensors[2];
         assert!(u64::from(baro.gated + baro.implausible) + 1 >= outliers, "{baro:?}");
     }
@@ -186,8 +186,8 @@ fn a_sensor_that_is_noisier_than_its_model_is_used_and_its_bound_is_honest() {
             (0.8..1.15).contains(&(baro.residual_sigma_m() / expected_m)),
             "{times}: {baro:?} {expected_m}"
         );
-        // Until the spread is known, some seconds, the readings count for more than they are worth: a third
-        // of their noise.
+        // For some seconds, until the spread is known, the readings are weighted too heavily: a third of
+        // their noise.
         assert!((baro.bias_m - BIASES_M[2]).abs() < expected_m / 3.0, "{times}: {baro:?}");
         assert!(
             mission.counters().sensors[2].gated as f32 <= most_gated * 1_400.0,
@@ -253,12 +253,12 @@ fn a_receiver_that_stays_elsewhere_is_followed_and_said() {
     }
 }
 
-/// A receiver that is far off while the calibration begins, is right again, and was refused for so long that
-/// it counts as lost: the altitude is its, whole, and not as far as noise that the refused fixes seem to have
-/// would let it.
+/// A receiver that is far off while the calibration begins, then is right again, and was refused for so long
+/// that it counts as lost: its altitude is adopted in full, not only as far as the apparent noise of the
+/// refused fixes would allow.
 #[test]
 fn a_receiver_that_comes_back_to_where_it_is_right_is_believed_whole() {
-    // As a receiver's error is: fixes that come more often say no more.
+    // Correlated, like a receiver's error: more frequent fixes add no information.
     let mut config = config(true);
     config.reference.correlation_time_s = 30.0;
     let clean = fly::<0, 4, 0>(&config, |_, _| {}, |_, _| {});
@@ -281,8 +281,8 @@ fn a_receiver_that_comes_back_to_where_it_is_right_is_believed_whole() {
     }
 }
 
-/// An outage of the receiver in which the vehicle climbs further than the altitude's prior says: what comes
-/// back is believed.
+/// An outage of the receiver in which the vehicle climbs further than the altitude's prior allows: the
+/// altitude after it is accepted.
 #[test]
 fn a_receiver_that_comes_back_far_from_where_it_was_lost_is_believed() {
     let mission = flown(|k, input| {
@@ -295,7 +295,7 @@ fn a_receiver_that_comes_back_far_from_where_it_was_lost_is_believed() {
             input.imu_slave_altitude_m = input.imu_slave_altitude_m.map(|altitude_m| altitude_m + 900.0);
         }
     });
-    // Two of them are outliers until the third.
+    // Two of them are outliers until the third confirms them.
     assert_eq!(mission.counters().gps.gated, 2);
     let clean = flown(|_, _| {});
     let (latch, clean) = (mission.latch().unwrap(), clean.latch().unwrap());
@@ -312,7 +312,7 @@ fn impossible_values_are_refused_counted_and_touch_nothing() {
     for value in [1e38, -1e38, 3.4e38, 1e6, -1_001.0, 100_001.0] {
         let mission = flown(|k, input| {
             match k {
-                // Beside the good readings, at ticks without any.
+                // In addition to the good readings, at ticks without any.
                 1_001 | 3_001 => {
                     input.baro = Some(BaroReading::AltitudeM(value));
                     input.imu_slave_altitude_m = Some(value);
@@ -332,7 +332,7 @@ fn impossible_values_are_refused_counted_and_touch_nothing() {
         assert_eq!((counters.gps.implausible, counters.signals_not_finite), (2, 1), "{value}");
         let biases = |mission: &Dense| mission.latch().unwrap().sensors.map(|sensor| sensor.bias_m);
         assert_eq!(biases(&mission), biases(&clean), "{value}");
-        // Of the altitudes one in hundreds is no blemish; a signal that is none is a fault of the board.
+        // One implausible altitude in hundreds is no blemish; an invalid signal is a fault of the board.
         assert_eq!(failed(&mission), ["inputs_valid"], "{value}");
     }
 }

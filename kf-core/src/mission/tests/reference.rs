@@ -1,4 +1,4 @@
-//! The monitor in free flight: transients, gaps, and faults of the reference that look like faults of the
+//! The monitor in free flight: transients, gaps, and faults of the reference that resemble faults of the
 //! sensors.
 
 use super::*;
@@ -9,15 +9,15 @@ const LAUNCH: u64 = 6_000;
 const SLAVE: usize = 1;
 const BARO: usize = 2;
 
-/// What a flight came to.
+/// Outcome of a flight.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Seen {
-    /// When the flag of the inertial altitude and of the barometer first were doubtful and untrustworthy,
-    /// seconds after launch.
+    /// When the inertial altitude and the barometer first became doubtful and untrustworthy, seconds after
+    /// launch.
     flags_s: [[Option<f32>; 2]; 2],
     /// Trust of both at every tick of free flight.
     trust: Vec<[Trust; 2]>,
-    /// Ticks at which the two were checked against each other, and what was said last.
+    /// Ticks at which the two were checked against each other, and the last result.
     cross_checks: u32,
     agreement: Option<crate::output::Agreement>,
 }
@@ -45,7 +45,7 @@ impl Seen {
         }
     }
 
-    /// The trust of both, so many seconds after launch.
+    /// Trust of both, `after_s` seconds after launch.
     fn at(&self, after_s: f32) -> [Trust; 2] {
         self.trust[(after_s * 200.0) as usize]
     }
@@ -113,7 +113,7 @@ fn a_step_at_release_is_flagged_as_soon_as_one_later() {
         assert_eq!(seen.flags_s[0], [None; 2]);
         seen.flags_s[1][1].unwrap() - start_s
     };
-    // The bound of about 8.9 m is 0.36 of 25 m: 0.72 s. It must last for 1.25 s.
+    // The alarm limit of about 8.9 m is 0.36 of 25 m: 0.72 s. It must last for 1.25 s.
     for start_s in [0.0, 0.5, 5.0] {
         assert!((1.2..1.35).contains(&delay_s(start_s)), "{start_s}: {}", delay_s(start_s));
     }
@@ -141,7 +141,7 @@ fn a_jump_that_lasts_leaves_the_sensors_unmonitored_until_it_ends() {
         }
     });
     assert_eq!(seen.flags_s, NO_FLAG);
-    // Carried on for the 2 s after which a reference counts as lost.
+    // Carried forward for the 2 s after which a reference counts as lost.
     assert_eq!(seen.at(3.7), [Trust::Trusted; 2]);
     assert_eq!(seen.at(5.0), [Trust::Unmonitored; 2]);
     assert_eq!(seen.at(7.1), [Trust::Trusted; 2]);
@@ -157,8 +157,7 @@ fn a_jump_from_before_the_launch_that_ends_after_it_is_nobodys_but_the_receivers
             add_to_fix(input, 100.0);
         }
     });
-    // The captive gate has refused the jump, so the altitude from before it is what the free flight's check
-    // goes by.
+    // The captive gate has refused the jump, so the check in free flight uses the altitude from before it.
     assert_eq!(seen.flags_s, NO_FLAG);
     assert_eq!(seen.at(0.5), [Trust::Trusted; 2]);
     assert_eq!(seen.at(1.1), [Trust::Trusted; 2]);
@@ -221,7 +220,7 @@ fn a_sensor_that_fails_is_flagged_as_soon_with_the_check_as_without() {
             (flown(&unchecked, drift).0.flags_s, flown(&config(true), drift).0.flags_s);
         assert_eq!(slave, [None; 2]);
         assert!((baro[1].unwrap() - clean[1].unwrap()).abs() < 0.1, "{drift_mps}: {baro:?} {clean:?}");
-        // And as soon with a jump of the receiver on the way.
+        // Equally early with a jump of the receiver on the way.
         let (seen, _) = flown(&config(true), |time_s, input| {
             drift(time_s, input);
             if (1.0..2.0).contains(&time_s) {
@@ -234,8 +233,8 @@ fn a_sensor_that_fails_is_flagged_as_soon_with_the_check_as_without() {
     }
 }
 
-/// Two sensors that fail alike: a receiver whose climb rate agrees with its altitude is not that far off by
-/// itself. One that has been lost in between, or measures no climb rate, may be.
+/// Two sensors that fail alike: a receiver whose climb rate agrees with its altitude is not that far off
+/// itself. One that was lost in between, or measures no climb rate, may be.
 #[test]
 fn two_sensors_that_fail_alike_are_flagged_where_the_receiver_stands_by_its_altitude() {
     let fails = |time_s: f32, input: &mut TickInput| {
@@ -315,7 +314,7 @@ fn a_mission_that_goes_on_in_the_middle_of_a_jump_says_the_same() {
     };
     let whole = fly(None);
     assert_eq!(whole.last().unwrap().0[BARO].2, Trust::Untrustworthy);
-    // Where a sensor that is not monitored has just delivered, so that the first tick says all.
+    // At a tick where an unmonitored sensor has just delivered, so that the first tick shows everything.
     for at in [6_300, 6_704, 7_204, 7_700] {
         assert_eq!(fly(Some(at))[at..], whole[at..], "{at}");
     }
@@ -334,7 +333,7 @@ fn flown_alone(change: impl Fn(f32, &mut TickInput)) -> Seen {
 
 #[test]
 fn what_an_old_climb_rate_carries_on_is_held_against_nobody() {
-    // The vehicle falls for 4 s while no fix comes: by its last climb rate it flies level.
+    // The vehicle falls for 4 s without a fix: by its last climb rate it flies level.
     let fallen_m = |time_s: f32| 3.0 * (time_s - 3.0).clamp(0.0, 4.0) * (time_s - 3.0).clamp(0.0, 4.0);
     let seen = flown_alone(|time_s, input| {
         add_to_baro(input, -fallen_m(time_s));
@@ -352,7 +351,7 @@ fn what_an_old_climb_rate_carries_on_is_held_against_nobody() {
     assert_eq!(seen.at(8.0)[1], Trust::Trusted);
 }
 
-/// A vehicle that sinks with 25 m/s from the launch on, and whose clock leaps on by so many seconds 3 s
+/// A vehicle that sinks at 25 m/s from the launch on, and whose clock leaps forward by `leap_s` seconds 3 s
 /// later.
 fn leap(time_s: f32, input: &mut TickInput, leap_s: f32, receiver_has_a_clock: bool) {
     let climb_mps = if time_s > 0.0 { -25.0 } else { 0.0 };
@@ -381,8 +380,8 @@ fn a_clock_that_leaps_is_seen_by_the_receivers_and_costs_no_reference() {
     }
 }
 
-/// The reference is carried on by 30 m too much, and the fixes say so. An inertial altitude that the leap has
-/// silenced says nothing of that, whatever it said before.
+/// The reference is carried forward 30 m too far, and the fixes show it. An inertial altitude silenced by the
+/// leap is no evidence of that, whatever it reported before.
 #[test]
 fn a_sensor_that_has_not_spoken_since_is_no_witness_of_the_receivers_two_words() {
     let mut config = config(true);
@@ -397,7 +396,7 @@ fn a_sensor_that_has_not_spoken_since_is_no_witness_of_the_receivers_two_words()
     assert_eq!(seen.flags_s[1], [None; 2]);
 }
 
-/// One that has, is: also after a restart.
+/// A sensor that has delivered since is a witness: also after a restart.
 #[test]
 fn a_restart_forgets_no_witness() {
     let inputs: Vec<TickInput> = {
@@ -436,9 +435,9 @@ fn a_restart_forgets_no_witness() {
     assert_eq!(flagged_at(LAUNCH + 1_000), never);
 }
 
-/// The supply dips in a dive, and the flight computer's clock knows nothing of 0.3 s in which 7.5 m are lost.
-/// The receiver's does, so its altitude has not left its climb rate, and excuses no barometer that fails
-/// later.
+/// The supply dips in a dive, and the flight computer's clock misses 0.3 s in which 7.5 m are lost. The
+/// receiver's clock does not, so its altitude has not left its climb rate, and does not excuse a barometer
+/// that fails later.
 #[test]
 fn what_is_climbed_in_a_restart_is_not_what_the_receiver_has_left() {
     const AWAY: u64 = 60;
@@ -464,7 +463,7 @@ fn what_is_climbed_in_a_restart_is_not_what_the_receiver_has_left() {
                 input.time_us -= 5_000 * (away.end - away.start);
             }
             if *k > LAUNCH + 1_000 {
-                // Two metres more than it may be off: the half of what 7.5 m would excuse.
+                // Two metres more than it may be off: half of what 7.5 m would excuse.
                 let bound_m2 = mission.latch().unwrap().sensors[BARO].bound_m2;
                 add_to_baro(&mut input, crate::root::reciprocal_root(bound_m2) * bound_m2 + 2.0);
             }
@@ -484,7 +483,7 @@ fn a_single_sensor_is_not_blamed_for_a_drift_that_the_climb_rate_denies() {
         assert_eq!(seen.flags_s[1][1], None, "{drift_mps}");
         assert_eq!(seen.at(8.0)[1], Trust::Unmonitored, "{drift_mps}");
     }
-    // Nor for one that begins before the launch and that the captive gate lets through.
+    // Nor for one that begins before the launch and passes the captive gate.
     let seen = flown_alone(|time_s, input| add_to_fix(input, 2.5 * (time_s + 4.0).clamp(0.0, 4.0)));
     assert_eq!(seen.flags_s[1][1], None);
 }
@@ -513,7 +512,7 @@ fn a_single_sensor_that_fails_is_flagged_as_soon_as_without_the_check() {
         let alone_s = flown_alone(fail).flags_s[1][1].unwrap();
         assert!((alone_s - clean_s).abs() < 0.3, "{number}: {alone_s} {clean_s}");
     }
-    // A receiver that is 10 m off does not excuse what is not its error.
+    // A receiver that is 10 m off does not excuse an error that is not its own.
     let seen = flown_alone(|time_s, input| {
         add_to_fix(input, (5.0 * time_s).clamp(0.0, 10.0));
         add_to_baro(input, if time_s > 4.0 { 40.0 } else { 0.0 });
@@ -521,8 +520,8 @@ fn a_single_sensor_that_fails_is_flagged_as_soon_as_without_the_check() {
     assert!((5.0..6.0).contains(&seen.flags_s[1][1].unwrap()), "{:?}", seen.flags_s);
 }
 
-/// The receiver jumps by 25 m, and all readings of the inertial altitude, which is tied to it, come after
-/// that: its bias is of the level before.
+/// The receiver jumps by 25 m, and all readings of the inertial altitude, which is tied to it, come after the
+/// jump: its bias belongs to the level before.
 #[test]
 fn an_altitude_whose_readings_contradict_its_bias_is_not_monitored_and_named() {
     for (jump_m, is_monitored) in [(0.0, true), (25.0, false)] {
@@ -544,7 +543,8 @@ fn an_altitude_whose_readings_contradict_its_bias_is_not_monitored_and_named() {
 }
 
 /// A receiver is off by 3 km from 7 s before the launch on, which the captive gate refuses until the
-/// reference is lost. It is the reference after that, and says nothing of a sensor until one stands by it.
+/// reference is lost. After that it is the reference, but is no evidence about a sensor until a sensor
+/// supports it.
 #[test]
 fn a_receiver_that_is_kilometres_off_at_the_launch_blames_nobody() {
     for until_s in [4.0, 99.0] {
@@ -561,14 +561,14 @@ fn a_receiver_that_is_kilometres_off_at_the_launch_blames_nobody() {
         for seen in [&alone, &both] {
             assert_eq!(seen.flags_s[0], [None; 2], "{until_s}");
             let flagged_s = seen.flags_s[1][1];
-            // Once it has come back it tells the barometer's step.
+            // Once it has come back, it shows the barometer's step.
             assert!(flagged_s.is_none_or(|flagged_s| flagged_s > 8.0), "{until_s}: {flagged_s:?}");
         }
         assert_eq!(alone.flags_s[1][1].is_some(), until_s < 8.0, "{until_s}: {:?}", alone.flags_s);
     }
 }
 
-/// The failed checks of a flight whose fixes have the noise of one that wanders for a minute.
+/// The failed checks of a flight whose fixes have the noise of a receiver that wanders over a minute.
 fn failed_with(change: impl Fn(f32, &mut TickInput)) -> Vec<&'static str> {
     let mut config = config(true);
     config.reference.correlation_time_s = 60.0;
@@ -594,13 +594,13 @@ fn a_reference_that_jumps_in_captive_flight_degrades_the_calibration_by_name() {
             assert!(failed.contains(&"reference_converged"), "{from_s} {to_s} {jump_m}: {failed:?}");
         }
     }
-    // A single fix that is off is none, and a receiver that says that it has not converged may do so while it
+    // A single fix that is off is no jump, and a receiver may report that it has not converged while it
     // settles.
     let spike = |time_s: f32, input: &mut TickInput| {
         if (12.0..12.1).contains(&time_s) {
             add_to_fix(input, 7.0);
         }
-        // While it settles nothing is gated.
+        // Nothing is gated while it settles.
         if (1.0..1.1).contains(&time_s) {
             add_to_fix(input, 4_000.0);
         }
@@ -615,8 +615,8 @@ fn a_reference_that_jumps_in_captive_flight_degrades_the_calibration_by_name() {
     assert_eq!(failed_with(cold_start), [""; 0]);
 }
 
-/// Everything is measured against the first fix that counts. Where the receiver is off at just that time, and
-/// no longer than a transient lasts, the calibration begins anew, and does not fail for two levels.
+/// Everything is measured against the first fix that counts. If the receiver is off at just that time, for no
+/// longer than a transient, the calibration begins again and does not fail for two levels.
 #[test]
 fn a_reference_that_is_off_as_the_calibration_begins_is_forgotten() {
     for from_s in [1.9, 2.0] {
@@ -643,7 +643,7 @@ fn a_sensor_that_changes_its_level_while_the_reference_settles_degrades_the_cali
 
 #[test]
 fn a_single_wild_reading_while_the_reference_settles_is_no_level() {
-    // The first one that counts, and one in the middle.
+    // The first fix that counts, and one in the middle.
     for wild_s in [0.0, 0.5] {
         let is_over = core::cell::Cell::new(false);
         let failed = failed_with(|time_s, input| {
@@ -656,8 +656,8 @@ fn a_single_wild_reading_while_the_reference_settles_is_no_level() {
     }
 }
 
-/// A climb rate that goes wrong after the launch: altitude and climb rate lie apart, and the inertial
-/// altitude, which was calibrated before that, says which of the two is right. So a barometer that fails is
+/// A climb rate that goes wrong after the launch: altitude and climb rate disagree, and the inertial
+/// altitude, which was calibrated before that, shows which of the two is right. So a barometer that fails is
 /// flagged.
 #[test]
 fn a_wrong_climb_rate_hides_no_failure_from_two_sensors() {
@@ -676,8 +676,8 @@ fn a_wrong_climb_rate_hides_no_failure_from_two_sensors() {
     }
 }
 
-/// An altitude that leaves its climb rate before the launch, as of a receiver that converges: what followed
-/// it is no witness against what did not, and nobody is blamed.
+/// An altitude that leaves its climb rate before the launch, as with a converging receiver: a sensor that
+/// followed it is no witness against one that did not, and no sensor is blamed.
 #[test]
 fn what_was_calibrated_while_the_receiver_contradicted_itself_is_no_witness() {
     let (seen, _) = flown(&config(true), |time_s, input| {
@@ -688,9 +688,9 @@ fn what_was_calibrated_while_the_receiver_contradicted_itself_is_no_witness() {
     assert_eq!([seen.flags_s[0][1], seen.flags_s[1][1]], [None; 2]);
 }
 
-/// A receiver that was believed while it went off, because it did so slowly, comes back at once: altitude and
-/// climb rate are one again, so it is the reference, and a barometer that fails then is flagged. One that
-/// leaps to the other side is refused, and nobody is blamed.
+/// A receiver that went off so slowly that it was accepted comes back at once: altitude and climb rate agree
+/// again, so it is the reference, and a barometer that fails then is flagged. One that leaps to the other
+/// side is refused, and no sensor is blamed.
 #[test]
 fn a_fix_that_brings_altitude_and_climb_rate_together_again_is_good() {
     for (back_to_m, is_good) in [(0.0, true), (-15.0, false)] {
@@ -708,8 +708,8 @@ fn a_fix_that_brings_altitude_and_climb_rate_together_again_is_good() {
     }
 }
 
-/// A receiver that was lost and has come back elsewhere: nobody knows how far it is off. A barometer that
-/// fails then brings no blame on the sensor that is well.
+/// A receiver that was lost and came back elsewhere: the size of its error is unknown. A barometer that fails
+/// then brings no blame on the healthy sensor.
 #[test]
 fn a_reference_that_may_be_anywhere_blames_nobody_where_a_sensor_fails_as_well() {
     let (seen, _) = flown(&config(true), |time_s, input| {

@@ -1,4 +1,4 @@
-//! Missions that are interrupted and go on.
+//! Missions that are interrupted and continue.
 
 use super::*;
 use crate::config::MAX_ESTIMATED_EFFECTS;
@@ -11,7 +11,7 @@ use crate::snapshot::{MAX_SNAPSHOT_BYTES, MissionMark, RaisedFlags, SnapshotErro
 /// The interruption: between launch at tick 6,000 and the end at 8,000.
 const CUT: u64 = 7_000;
 
-/// With everything that effects need, and a dive after launch.
+/// With every input that the effects need, and a dive after launch.
 fn ticks() -> Vec<TickInput> {
     let mut flight = Flight { seed: 7, noise: 1.0 };
     (0..8_000)
@@ -46,7 +46,7 @@ fn kept<const H: usize, const T: usize, const E: usize>(mission: &Mission<H, T, 
     }
 }
 
-/// A mission that goes on from it, with the flags of a later mark.
+/// A mission that continues from it, with the flags of a later mark.
 fn resumed<const H: usize, const T: usize, const E: usize>(
     config: &MissionConfig<E>,
     kept: &Kept,
@@ -57,8 +57,8 @@ fn resumed<const H: usize, const T: usize, const E: usize>(
     Ok(mission)
 }
 
-/// Flies to the cut, restarts from a snapshot, and holds every later output against a mission that was
-/// never interrupted.
+/// Flies to the cut, restarts from a snapshot, and compares every later output with that of a mission without
+/// an interruption.
 fn goes_on_to_the_bit<const H: usize, const T: usize, const E: usize>(config: &MissionConfig<E>) {
     let ticks = ticks();
     let mut whole = Mission::<H, T, E>::new(config).unwrap();
@@ -73,7 +73,7 @@ fn goes_on_to_the_bit<const H: usize, const T: usize, const E: usize>(config: &M
         let expected = whole.tick(input);
         let mut got = resumed.tick(input);
         assert_eq!(got.bridged_us.take(), (k == CUT as usize).then_some(TICK_US), "tick {k}");
-        // Bits: the wire form, in which NaNs and signs of zero count.
+        // As bits: the wire form, in which NaNs and signs of zero count.
         let bytes = |output: &TickOutput| {
             let mut buffer = [0; 640];
             postcard::to_slice(output, &mut buffer).unwrap().to_vec()
@@ -106,8 +106,8 @@ fn with_effects(mut config: MissionConfig<4>) -> MissionConfig<4> {
     config
 }
 
-/// One of integrals, and one of a low pass and what was kept at launch, over a signal that every tick has:
-/// what is held is not kept.
+/// One of integrals, and one of a low pass and a value stored at launch, over a signal that every tick has:
+/// the frame's held values are not stored.
 fn with_formulas(mut config: MissionConfig<2>) -> MissionConfig<2> {
     let load = Op::Signal(Signal::LoadFactor.place());
     let second = Op::Constant(1.0);
@@ -170,7 +170,7 @@ fn flags_raised_before_the_restart_outlive_it_even_if_raised_after_the_snapshot(
     assert_eq!((flags.of(Sensor::ImuSlave), flags.of_cross_check()), (None, None));
     let after_restart = |flags| {
         let mut mission: Dense = resumed(&config, snapshot.as_ref().unwrap(), flags).unwrap();
-        // Sound again: nothing but the flag says what there was.
+        // Healthy again: only the flag still shows that there was an error.
         mission.tick(&ticks()[7_440]).sensors.map(|sensor| sensor.trust)
     };
     let kept = RaisedFlags::from_bits(flags.bits());
@@ -178,7 +178,7 @@ fn flags_raised_before_the_restart_outlive_it_even_if_raised_after_the_snapshot(
     assert_eq!(after_restart(RaisedFlags::default()), [Trust::Unmonitored, Trust::Trusted, Trust::Trusted]);
 }
 
-/// The inertial sensor's last error and trust with an effect on it, after a gap of so many ticks.
+/// The inertial sensor's last error and trust with an effect on it, after a gap of `gap` ticks.
 fn after_a_gap(gap: usize) -> (Option<f32>, Trust, Option<u64>, u32) {
     let mut config = config(true);
     config.constant_effects.push(EffectTerm::new(EffectId::ImuAccelScale, 0.05, 0.01)).unwrap();
@@ -227,7 +227,7 @@ fn a_long_gap_takes_no_flag_back_and_stops_no_sensor_without_such_an_effect() {
         let trust = mission.tick(input).sensors.map(|sensor| sensor.trust);
         assert_eq!(trust[1..], [Trust::Doubtful, Trust::Trusted]);
     }
-    // The next restart does not forget.
+    // The next restart keeps it.
     let mut again: Dense = resumed(&config, &kept(&mission), RaisedFlags::default()).unwrap();
     let output = again.tick(&TickInput { time_us: 8_000 * TICK_US, ..ticks[7_996] });
     assert_eq!(output.sensors[1].trust, Trust::Doubtful);
@@ -319,14 +319,14 @@ fn the_largest_snapshot_fits() {
     largest_snapshot_fits::<12, MAX_ESTIMATED_EFFECTS, false>();
 }
 
-/// With formulas that remember as much as they may.
+/// With formulas that have the largest memory allowed.
 #[test]
 fn the_largest_snapshot_with_formulas_fits() {
     largest_snapshot_fits::<8, 4, true>();
     largest_snapshot_fits::<4, 0, true>();
 }
 
-/// Of so many double integrals.
+/// A formula of `integrals` double integrals.
 fn formula(name: &'static str, integrals: usize) -> EffectId {
     let mut ops = vec![Op::Constant(0.01)];
     ops.extend((0..integrals).map(|k| Op::DoubleIntegral { at: 6 * k as u8, of: TOP }));
@@ -352,7 +352,7 @@ fn formula_of(name: &'static str, ops: &[Op]) -> EffectId {
 fn largest_snapshot_fits<const TAIL: usize, const E: usize, const FORMULAS: bool>() {
     let mut largest = config::<E>(true);
     largest.second_correction = SecondCorrection::MovingAverage;
-    // A window of which each part counts in two bytes.
+    // A window of which each part's count takes two bytes.
     largest.monitor.window_s = 60.0;
     largest.estimated_effects = [EffectTerm::new(EffectId::BaroDynamicPressure, 0.0, 0.2); E];
     for id in [EffectId::ImuTilt, EffectId::ImuVibration, EffectId::ImuEotvos, EffectId::BaroTemperature] {
@@ -373,7 +373,8 @@ fn largest_snapshot_fits<const TAIL: usize, const E: usize, const FORMULAS: bool
         }
         mission.tick(&input);
     }
-    // A source has one of them a reading: a month has room for one that takes all its bytes.
+    // A reading increments one of its source's counters: in a month only one of them can grow to all its
+    // bytes.
     const OTHERS: u32 = u32::MAX >> 4;
     let sensor = SourceCounters {
         accepted: u32::MAX,
@@ -384,7 +385,7 @@ fn largest_snapshot_fits<const TAIL: usize, const E: usize, const FORMULAS: bool
         variance: OTHERS,
         gated: OTHERS,
     };
-    // A fix is held and a sensor stuck, never the other way round.
+    // A fix can be held and a sensor stuck, never the other way round.
     let [gps, sensor] = [SourceCounters { stuck: 0, ..sensor }, SourceCounters { held: 0, ..sensor }];
     mission.counters = Counters {
         ticks: u32::MAX,
@@ -396,17 +397,17 @@ fn largest_snapshot_fits<const TAIL: usize, const E: usize, const FORMULAS: bool
         effects_silent: if FORMULAS { u32::MAX } else { 0 },
         effects_extrapolated: u32::MAX,
         launch_repeats: u32::MAX,
-        // Each takes more than a tick: a month has fewer than it has ticks.
+        // Each takes more than a tick: a month has fewer of them than ticks.
         restarts: OTHERS,
         launch_suspicions: OTHERS,
         readings_unjudged: u32::MAX,
     };
     let length = mission.snapshot().unwrap().to_bytes(&mut [0; 4_096]).unwrap();
-    // A second byte for the count of each part of the four windows, which takes longer windows.
+    // Room for a second byte in the count of each part of the four windows, which longer windows need.
     assert!(length + 4 * 32 <= MAX_SNAPSHOT_BYTES, "{length}");
 }
 
-/// The lost reference, and what the sensors say of each other.
+/// A lost reference, and the sensors' check of each other.
 #[test]
 fn without_a_reference_nothing_is_monitored_and_the_sensors_check_each_other() {
     let run = |change: &dyn Fn(u64, &mut TickInput)| {
@@ -420,8 +421,8 @@ fn without_a_reference_nothing_is_monitored_and_the_sensors_check_each_other() {
                 change(k, input);
             },
             |k, output| {
-                // The last fix is tick 6,360's, and good for 2 s; what it carries on is held against nobody
-                // after 0.64 s.
+                // The last fix is that of tick 6,360 and is valid for 2 s; the altitude carried forward from
+                // it counts against no sensor after 0.64 s.
                 let lost = (6_761..7_600).contains(&k);
                 let old = (6_489..7_600).contains(&k);
                 assert_eq!(old && k % 4 == 0, output.cross_check.is_some(), "tick {k}");
@@ -436,9 +437,9 @@ fn without_a_reference_nothing_is_monitored_and_the_sensors_check_each_other() {
         .of_cross_check()
         .map(|flag| (flag, said))
     };
-    // Two sound sensors agree: eight sigmas are between them and the bound.
+    // Two healthy sensors agree: eight sigmas lie between them and the alarm limit.
     assert_eq!(run(&|_, _| {}), None);
-    // 50 m off after half of it: at once beyond the bound, and the average half a window later.
+    // 50 m off after half of it: at once beyond the alarm limit, and the average half a window later.
     let (flag, said) = run(&off_from(7_000)).unwrap();
     assert_eq!(flag, Trust::Untrustworthy);
     let first = |agreement| said.iter().find(|(_, check)| check.agreement == agreement).unwrap().0;
@@ -471,9 +472,9 @@ fn the_wrap_of_a_32_bit_microsecond_timer_is_none_of_the_missions() {
     }
 }
 
-/// A fix is refused in a suspicion that comes to nothing. What captive flight goes on from instead is the
-/// same altitude whether or not a restart lay between, though the new filter has not learned what is held of
-/// an effect on the reference.
+/// A fix is refused in a suspicion that is withdrawn. Captive flight then continues from the same altitude
+/// whether or not there was a restart in between, although the new filter has not learned the held
+/// coefficient of an effect on the reference.
 #[test]
 fn a_suspicion_that_comes_to_nothing_leaves_the_same_reference_after_a_restart() {
     let mut config = config::<1>(true);

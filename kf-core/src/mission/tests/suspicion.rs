@@ -1,12 +1,12 @@
-//! A launch that is suspected before it is confirmed, and one that is suspected and is none.
+//! A launch that is suspected before it is confirmed, and one that is suspected and then withdrawn.
 
 use super::*;
 
 /// Ticks of 5 ms; the first edge.
 const EDGE: u64 = 6_000;
 
-/// Flies with a first edge at `EDGE`, confirmed after so many ticks; until then suspected. The outputs from
-/// the confirmation on.
+/// Flies with a first edge at `EDGE`, suspected until it is confirmed after so many ticks. Returns the
+/// outputs from the confirmation on.
 fn confirmed_after<const E: usize, const T: usize>(
     config: &MissionConfig<E>,
     ticks: u64,
@@ -37,12 +37,11 @@ fn confirmed_after<const E: usize, const T: usize>(
     (mission, outputs)
 }
 
-/// How long it takes to confirm a launch changes nothing, to the bit, but when it is said: not the latch, nor
-/// anything that comes after.
+/// The time that a confirmation takes changes nothing but the time of its report: neither the latch nor
+/// anything after it, to the bit.
 #[test]
 fn what_is_latched_does_not_depend_on_when_it_is_confirmed() {
-    // A settling that ends, a sensor that goes bad and a reference that is lost, all between edge and
-    // confirmation.
+    // The settling ends, a sensor goes bad and the reference is lost, all between edge and confirmation.
     let events = |k: u64, input: &mut TickInput| {
         if (EDGE + 100..EDGE + 105).contains(&k) {
             input.imu_slave_altitude_m = Some(f32::NAN);
@@ -73,8 +72,8 @@ fn what_is_latched_does_not_depend_on_when_it_is_confirmed() {
     }
 }
 
-/// The statistics are judged in the ticks after the first edge, for as many as there are: what failed does
-/// not depend on how many, nor on what the receiver reports meanwhile.
+/// The statistics are checked in the ticks after the first edge, as many as there are: which checks fail does
+/// not depend on their number, nor on what the receiver reports meanwhile.
 #[test]
 fn what_failed_does_not_depend_on_when_it_is_confirmed() {
     let failing = |k: u64, input: &mut TickInput| {
@@ -114,13 +113,13 @@ fn what_failed_does_not_depend_on_when_it_is_confirmed() {
     }
 }
 
-/// A suspicion that comes to nothing costs its own readings and no more: estimate, spread and checks are
-/// those of the other readings.
+/// A suspicion that is withdrawn costs its own readings and no more: estimate, spread and checks are those of
+/// the other readings.
 #[test]
 fn calibration_goes_on_after_a_suspicion() {
     let held = 3_000..3_400;
     let held = || held.clone();
-    // Effects that are nothing under the pylon.
+    // Effects that are zero in captive flight.
     let mut config = config(true);
     config.constant_effects.push(EffectTerm::new(EffectId::BaroCarrierField, 0.1, 0.01)).unwrap();
     config.constant_effects.push(EffectTerm::new(EffectId::ImuVelocityError, 0.3, 0.01)).unwrap();
@@ -143,7 +142,7 @@ fn calibration_goes_on_after_a_suspicion() {
         assert_eq!((sensor.readings, other.readings), (1_300, 1_400));
         let apart = sensor.bias_m - other.bias_m;
         assert!(apart != 0.0 && apart * apart < sensor.bias_variance_m2, "{sensor:?} {other:?}");
-        // A twelfth of the data less.
+        // A twelfth less data.
         assert!(
             (1.0..1.12).contains(&(sensor.bias_variance_m2 / other.bias_variance_m2)),
             "{sensor:?} {other:?}"
@@ -151,7 +150,7 @@ fn calibration_goes_on_after_a_suspicion() {
     }
 }
 
-/// The biases while suspected are to the bit what they were before.
+/// While a launch is suspected, the biases equal the earlier ones to the bit.
 #[test]
 fn nothing_is_learned_while_suspected() {
     let mut before = None;
@@ -174,8 +173,7 @@ fn nothing_is_learned_while_suspected() {
     );
 }
 
-/// The reference came back while a launch was suspected: the altitude may have gone anywhere, as after any
-/// loss.
+/// The reference came back while a launch was suspected: as after any loss, the altitude may be anywhere.
 #[test]
 fn a_reference_that_returns_in_a_suspicion_is_a_new_one() {
     let risen = |k: u64, input: &mut TickInput| {
@@ -224,15 +222,15 @@ fn a_launch_that_nothing_confirmed_is_latched_as_such() {
     assert_eq!(failed(&mission), ["launch_confirmed"]);
 }
 
-/// A fix that is refused while a launch is suspected is not what captive flight goes on from when it was
-/// none: neither the residuals nor the bound are made of it.
+/// A fix that is refused while a launch is suspected must not become captive flight's reference when the
+/// suspicion is withdrawn: neither the residuals nor the alarm limit may depend on it.
 #[test]
 fn a_fix_that_was_refused_in_a_suspicion_is_no_reference_after_it() {
     let bounds_m = |jump_m: f32| {
         let mission = fly::<0, 4, 0>(
             &config(true),
             |k, input| {
-                // With a fix in it, every 40 ticks.
+                // With a fix inside, one every 40 ticks.
                 if (5_590..5_610).contains(&k) {
                     input.launch_doubt = LaunchDoubt::Suspected;
                 }

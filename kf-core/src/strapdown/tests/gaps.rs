@@ -28,7 +28,7 @@ fn a_gap_restarts_the_alignment_and_ends_free_flight() {
     assert_eq!(free.channel.inertial(free.time_us(), &rest()), Err(StrapdownError::Lost));
 }
 
-/// The reset of a unit, 105 ms: neither the alignment nor free flight ends, and what it costs is known.
+/// The reset of a unit, 105 ms: neither the alignment nor free flight ends, and its cost is known.
 #[test]
 fn a_reset_of_the_unit_is_bridged() {
     let mut captive = Rig::captive(60);
@@ -40,8 +40,8 @@ fn a_reset_of_the_unit_is_bridged() {
     let cost = captive.channel.tie.climb_m2ps2() - before.tie.climb_m2ps2();
     assert!((0.004..0.008).contains(&cost), "{cost}");
 
-    // In free flight every reset costs as much; once they have cost 0.14 m/s, with the one just before the
-    // launch, fixes are wanted.
+    // In free flight every reset costs as much; once they have cost 0.14 m/s, including the one just before
+    // the launch, fixes are needed.
     captive.channel.launch();
     let mut resets = 1;
     while !captive.channel.is_mending() {
@@ -54,8 +54,7 @@ fn a_reset_of_the_unit_is_bridged() {
     assert!(captive.channel.altitude_variance_m2() > before.altitude_variance_m2());
 }
 
-/// The bound that a bridge puts on the climb rate holds for accelerations and vibration of the size that it
-/// assumes.
+/// The bound that a bridge puts on the climb rate holds for accelerations and vibration of the assumed size.
 #[test]
 fn what_a_bridge_costs_is_what_it_says() {
     for gap in [20u64, 60, 99, 200] {
@@ -73,8 +72,8 @@ fn what_a_bridge_costs_is_what_it_says() {
         for _ in 0..runs {
             let mut rig = start.clone();
             rig.channel.launch();
-            // An acceleration of 2 m/s^2 that wanders within 0.5 s, and vibration of 0.8 m/s^2 in what is
-            // read of it.
+            // An acceleration of 2 m/s^2 that wanders within 0.5 s, and vibration of 0.8 m/s^2 in its
+            // reading.
             let (mut acceleration, mut climb) = (0.0, 0.0);
             for tick in 0..gap + 1 {
                 let last = acceleration;
@@ -89,19 +88,19 @@ fn what_a_bridge_costs_is_what_it_says() {
                     rig.channel.inertial(rig.time_us(), &sample([0.0, 0.0, -G - read], [0.0; 3])).unwrap();
                 }
             }
-            // The first interval, of one tick, has half its vibration to itself.
+            // The first interval, of one tick, contains half its vibration alone.
             squares += (f64::from(rig.channel.climb_rate.value()) - climb).powi(2);
             variance = f64::from(rig.channel.bridged_m2ps2);
         }
         let ratio = squares / f64::from(runs) / variance;
         // 400 squares: five times their spread of 7 %; the interval before the gap adds 5 % at 0.1 s, and the
-        // walk's bend back to zero takes away up to a third of the longest one.
+        // walk's return to zero removes up to a third of the longest one.
         assert!((0.55..1.45).contains(&ratio), "{gap}: {ratio}");
     }
 }
 
-/// The bound that a bridge puts on the level holds for turn rates of the size that it assumes: 0.3 rad/s that
-/// wanders within 0.5 s.
+/// The bound that a bridge puts on the level holds for turn rates of the assumed size: 0.3 rad/s that wanders
+/// within 0.5 s.
 #[test]
 fn what_a_bridge_costs_the_level_is_what_it_says() {
     const STEP_S: f64 = 0.001;
@@ -129,12 +128,12 @@ fn what_a_bridge_costs_the_level_is_what_it_says() {
             })
             .sum();
         let ratio = squares / f64::from(runs) / f64::from(BridgeCost::of(gap_s as f32).tilt_rad2);
-        // As above: five times the spread of 400 squares, and the walk's bend back to zero.
+        // As above: five times the spread of 400 squares, and the walk's return to zero.
         assert!((0.55..1.45).contains(&ratio), "{gap_s}: {ratio}");
     }
 }
 
-/// One sample with a flipped bit, or two: refused. A change that stays is the aircraft's.
+/// One or two samples with a flipped bit are refused. A change that lasts is the aircraft's.
 #[test]
 fn a_leap_of_two_samples_is_refused() {
     let leaps = [
@@ -158,7 +157,7 @@ fn a_leap_of_two_samples_is_refused() {
             assert!(error.abs() < 0.02 && rig.channel.counts().refused == length, "{leap:?} {error}");
         }
     }
-    // A release at 6 g: seen from the third sample on, and the two before on the straight line to it.
+    // A release at 6 g: seen from the third sample on; the two before are on the straight line to it.
     let mut rig = Rig::captive(30);
     rig.channel.launch();
     let ejected = sample([0.0, 0.0, 50.0], [0.0; 3]);
@@ -171,8 +170,8 @@ fn a_leap_of_two_samples_is_refused() {
     assert_eq!(taken, [Err(StrapdownError::Spike), Err(StrapdownError::Spike), Ok(()), Ok(())]);
 }
 
-/// The sign of a force that is flipped for a third of a second is no push; nor does a carrier turn by a
-/// flipped bit of the gyro.
+/// A force whose sign is flipped for a third of a second is no push; and a flipped bit of the gyro is no turn
+/// of a carrier.
 #[test]
 fn a_flipped_bit_that_stays_is_refused_as_long() {
     let flips =
@@ -192,7 +191,7 @@ fn a_flipped_bit_that_stays_is_refused_as_long() {
     }
 }
 
-/// A unit that repeats itself says no more than a gap does.
+/// A unit that repeats itself gives no more information than a gap.
 #[test]
 fn a_unit_that_repeats_itself_is_mended_like_a_gap() {
     let mut rig = Rig::captive(30);
@@ -210,8 +209,8 @@ fn a_unit_that_repeats_itself_is_mended_like_a_gap() {
     assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
 }
 
-/// A unit that has noise and repeats itself for longer than may be bridged has stopped: it says nothing
-/// meanwhile, and begins anew when it lives again. One without noise is ideal, and rests.
+/// A unit that has noise and repeats itself for longer than may be bridged has stopped: it gives no altitude
+/// meanwhile and starts again when the readings change. One without noise is ideal and at rest.
 #[test]
 fn a_unit_with_noise_that_repeats_itself_for_long_has_stopped() {
     let noise =
@@ -231,13 +230,13 @@ fn a_unit_with_noise_that_repeats_itself_for_long_has_stopped() {
         rig.tick += 1;
         let expected = if has_noise { Err(StrapdownError::Gap) } else { Ok(()) };
         assert_eq!(rig.channel.inertial(rig.time_us(), &noise(1)), expected);
-        // The next time that it stands still it is known for what it is.
+        // The next time that it stops, it is recognised.
         (0..600).for_each(|_| rig.step(&noise(1)));
         assert_eq!(rig.channel.stands_still(), has_noise);
     }
 }
 
-/// A unit that has stopped says nothing however often the alignment begins anew meanwhile.
+/// A unit that has stopped gives no altitude, however often the alignment starts again meanwhile.
 #[test]
 fn a_unit_that_has_stopped_is_not_aligned_while_it_has() {
     let mut rig = Rig::captive(30);
@@ -249,9 +248,9 @@ fn a_unit_that_has_stopped_is_not_aligned_while_it_has() {
     }
 }
 
-/// A unit that is shaken leaves a wild rate as the last one that was taken. Neither the next wild one nor the
-/// calm ones that contradict it for a second may end the channel, or turn its level by what the wild one says
-/// of the time between.
+/// A unit that is shaken leaves a wild rate as the last one taken. Neither the next wild one nor the calm
+/// ones that contradict it for a second may end the channel, or turn its level by the wild rate over the time
+/// between.
 #[test]
 fn a_wild_rate_before_a_gap_neither_ends_the_channel_nor_turns_it() {
     let turning = |rate: f64| sample([0.0, 0.0, -G], [0.0, rate, 0.0]);
@@ -268,12 +267,12 @@ fn a_wild_rate_before_a_gap_neither_ends_the_channel_nor_turns_it() {
     });
     let refused = outcomes.take_while(|outcome| *outcome == Err(StrapdownError::Spike)).count();
     assert!((100..210).contains(&refused), "{refused}");
-    // Its neighbours were taken for 15 ms, and 0.04 rad.
+    // Its neighbours were used for 15 ms, and 0.04 rad.
     let down = rig.channel.down_body().unwrap();
     assert!(rig.channel.is_mending() && down[2] > 0.05_f32.cos(), "{down:?}");
 }
 
-/// A rate that leaps under the pylon is none of the vehicle's because the hooks open meanwhile.
+/// A rate that leaps in captive flight does not become the vehicle's because the hooks open meanwhile.
 #[test]
 fn a_rate_that_leaps_under_the_pylon_is_refused_over_the_release() {
     let turning = sample([0.0, 0.0, -G], [0.0, 1.77, 0.0]);

@@ -1,4 +1,4 @@
-//! Gaps of free flight that fixes make good for, and channels that a restart goes on with.
+//! Gaps of free flight that fixes mend, and channels that a restart continues.
 
 use super::*;
 use crate::strapdown::bridge;
@@ -7,7 +7,7 @@ fn rest() -> ImuSample {
     sample([0.0, 0.0, -G], [0.0; 3])
 }
 
-/// A channel in free flight after a gap of a second, with a climb rate that is off by so much since.
+/// A channel in free flight after a gap of a second, with a climb rate that has since been off by this much.
 fn after_gap(off_mps: f32) -> Rig {
     let mut rig = Rig::captive(60);
     rig.channel.launch();
@@ -17,7 +17,7 @@ fn after_gap(off_mps: f32) -> Rig {
     rig
 }
 
-/// Flies on at rest at 1,000 m with ten fixes a second, of this altitude.
+/// Continues at rest at 1,000 m with ten fixes a second, of this altitude.
 fn fly(rig: &mut Rig, seconds: u64, fix_m: impl Fn(u64) -> Option<f32>) -> u32 {
     let mut taken = 0;
     for tick in 0..seconds * SECOND {
@@ -35,7 +35,7 @@ fn a_gap_of_a_second_is_mended_within_half_a_minute() {
         let mut rig = after_gap(off_mps);
         assert!(rig.channel.is_mending() && rig.channel.altitude_m().is_some());
         let taken = fly(&mut rig, 40, |_| Some(1_000.0));
-        // Until what is left of it is what a unit drifts anyway, and no longer: it has to be watched.
+        // Until the remaining error is a unit's normal drift, and no longer: the channel must be monitored.
         assert!((100..300).contains(&taken) && !rig.channel.is_mending(), "{off_mps}: {taken}");
         let climb_mps = rig.channel.climb_rate.value();
         assert!(climb_mps.abs() < 3.0 * 0.5, "{off_mps}: {climb_mps}");
@@ -43,8 +43,8 @@ fn a_gap_of_a_second_is_mended_within_half_a_minute() {
     }
 }
 
-/// A receiver that measures its climb rate mends a gap whatever its rate, and is believed no further than
-/// what the gap may have cost.
+/// A receiver that measures its climb rate mends a gap at any fix rate, and is trusted no further than the
+/// possible cost of the gap.
 #[test]
 fn a_gap_that_a_measured_climb_rate_mends_leaves_less_of_it() {
     for ticks_of_a_fix in [20, 40, 200, 280] {
@@ -57,7 +57,7 @@ fn a_gap_that_a_measured_climb_rate_mends_leaves_less_of_it() {
                 rig.channel.climb_rate_fix(rig.time_us(), 0.0).unwrap();
                 fixes += 1;
             }
-            // One measures to 0.25 (m/s)^2: of a climb rate that is not known, twelve leave 0.02.
+            // One measures to 0.25 (m/s)^2: from an unknown climb rate, twelve reduce it to 0.02.
             let seconds = fixes * ticks_of_a_fix / SECOND;
             assert!(fixes >= 12 && seconds <= 60, "{off_mps} at {ticks_of_a_fix}: {fixes} in {seconds} s");
             let climb_mps = rig.channel.climb_rate.value();
@@ -77,9 +77,9 @@ fn a_gap_that_a_measured_climb_rate_mends_leaves_less_of_it() {
     assert_eq!(rig.channel.climb_rate.value(), climb_mps);
 }
 
-/// What a gap has cost of the level goes on when its climb rate has been mended: in a turn it lacks some
-/// hundredths of a metre a second squared, and would be at its bound, or hide a failure within it, after half
-/// a minute.
+/// The level error of a gap remains when its climb rate has been mended: in a turn the lacking acceleration
+/// is some hundredths of a metre a second squared, and after half a minute the altitude would be at its alarm
+/// limit, or hide a failure within it.
 #[test]
 fn what_a_level_that_is_off_lacks_is_mended_too() {
     for lacking_mps2 in [-0.08, 0.08] {
@@ -97,8 +97,8 @@ fn what_a_level_that_is_off_lacks_is_mended_too() {
             }
             assert!(ticks < 40 * SECOND, "{lacking_mps2}, {has_climb}: {ticks}");
             (0..30 * SECOND).for_each(|_| rig.step(&reading));
-            // 36 m without; with it two sigmas of what may be left: 0.017 m/s^2, and the climb rate's 0.14 or
-            // 0.5 m/s.
+            // 36 m without mending the level; with it two sigmas of the possible remainder: 0.017 m/s^2, and
+            // the climb rate's 0.14 or 0.5 m/s.
             let error_m = rig.channel.altitude.value() - 1_000.0;
             let left_m = if has_climb { 17.0 } else { 34.0 };
             assert!(error_m.abs() < left_m, "{lacking_mps2}, {has_climb}: {error_m} m after {ticks} ticks");
@@ -106,9 +106,9 @@ fn what_a_level_that_is_off_lacks_is_mended_too() {
     }
 }
 
-/// A second gap while the first is being mended, and no fix for a while: the next one's climb rate is asked,
-/// before its altitude says that all is well. Nor is it otherwise after a restart that goes on with a channel
-/// that was being mended.
+/// A second gap while the first is being mended, and no fix for a while: the next fix's climb rate is taken
+/// before its altitude can end the mending. The same holds after a restart that continues a channel that was
+/// being mended.
 #[test]
 fn after_every_gap_the_next_climb_rate_is_waited_for() {
     for is_restarted in [false, true] {
@@ -131,8 +131,8 @@ fn after_every_gap_the_next_climb_rate_is_waited_for() {
     }
 }
 
-/// A restart in which no time was lost is no gap, and the channel that it goes on with has no climb rate of
-/// the time before: the next one is waited for all the same.
+/// A restart without lost time is not a gap, and the restored channel has no earlier climb rate: it still
+/// waits for the next one.
 #[test]
 fn a_restart_without_a_gap_waits_for_the_next_climb_rate() {
     let mut rig = after_gap(0.5);
@@ -157,14 +157,14 @@ fn without_fixes_it_says_what_it_has_until_that_is_nothing() {
         rig.step(&rest());
         said += 1;
     }
-    // 5 m, of a climb rate known to 1.3 m/s and a level known to ten degrees.
+    // 5 m, with a climb rate known to 1.3 m/s and a level known to ten degrees.
     assert!((2 * SECOND..6 * SECOND).contains(&said), "{said}");
-    // And again with the first fixes.
+    // It gives an altitude again with the first fixes.
     fly(&mut rig, 10, |_| Some(1_000.0));
     assert!(rig.channel.altitude_m().is_some());
 }
 
-/// In free flight the channel watches the reference as much as it is watched by it.
+/// In free flight the channel and the reference are a check on each other.
 #[test]
 fn a_receiver_that_has_jumped_mends_nothing() {
     let mut rig = after_gap(0.0);
@@ -174,8 +174,8 @@ fn a_receiver_that_has_jumped_mends_nothing() {
     assert!((rig.channel.altitude.value() - altitude_m).abs() < 0.1);
 }
 
-/// A gap that ends just before the launch is mended after it, and one that the reference had time to mend
-/// under the pylon is not.
+/// A gap that ends just before the launch is mended after it; one that the reference had time to mend in
+/// captive flight is not.
 #[test]
 fn a_gap_that_the_launch_leaves_no_time_to_mend_is_mended_after_it() {
     for (captive_s, is_mended_later) in [(0, true), (1, true), (60, false)] {
@@ -186,7 +186,7 @@ fn a_gap_that_the_launch_leaves_no_time_to_mend_is_mended_after_it() {
         fly(&mut rig, captive_s, |_| Some(1_000.0));
         rig.channel.hold();
         assert_eq!(rig.channel.is_mending(), is_mended_later, "{captive_s} s");
-        // It was no launch, and then it is one.
+        // The suspicion is withdrawn, and then there is a launch.
         rig.channel.resume_captive();
         rig.channel.launch();
         assert_eq!(rig.channel.is_mending(), is_mended_later, "{captive_s} s");
@@ -214,7 +214,7 @@ fn without_a_gap_nothing_is_mended() {
     assert!((rig.channel.altitude.value() - 1_000.0).abs() < 0.1);
 }
 
-/// What is kept goes on as if nothing had been: the same altitude, at every sample.
+/// A stored channel continues as if uninterrupted: the same altitude, at every sample.
 #[test]
 fn a_channel_that_is_kept_goes_on() {
     let mut whole = Rig::captive(60);
@@ -233,12 +233,12 @@ fn a_channel_that_is_kept_goes_on() {
         whole.step(&reading);
         resumed.step(&reading);
         let altitudes = [&whole, &resumed].map(|rig| rig.channel.altitude_m().unwrap());
-        // What the sums of its direction lost is not kept: some last bits.
+        // The rounding errors of its direction's sums are not stored: some last bits.
         assert!((altitudes[0] - altitudes[1]).abs() < 1e-3, "{altitudes:?}");
     }
 }
 
-/// A dip of the supply: the clock stands still, nobody knows for how long.
+/// A dip of the supply: the clock stands still for an unknown time.
 #[test]
 fn an_interruption_of_unknown_length_costs_the_altitude_until_the_next_fix() {
     let mut rig = Rig::captive(60);
@@ -249,7 +249,7 @@ fn an_interruption_of_unknown_length_costs_the_altitude_until_the_next_fix() {
     let altitude_m = rig.channel.altitude.value();
     rig.step(&rest());
     assert_eq!(rig.channel.altitude_m(), None);
-    // In truth 0.6 s have passed: 12 m.
+    // In fact 0.6 s have passed: 12 m.
     let mut fallen_m = 12.0;
     for tick in 0..5 * SECOND {
         rig.step(&rest());
@@ -263,8 +263,8 @@ fn an_interruption_of_unknown_length_costs_the_altitude_until_the_next_fix() {
     assert!(error_m.abs() < 1.0, "{error_m}");
 }
 
-/// One that was 90 m off before the interruption is so after it, which no fix mends: one that contradicts it
-/// is enough to say it, as it was said before.
+/// An altitude that was 90 m off before the interruption is still off after it, and no fix mends it: one fix
+/// that contradicts it is enough to publish it, as it was published before.
 #[test]
 fn an_altitude_that_was_far_off_before_an_interruption_goes_on_saying_so() {
     let mut rig = Rig::captive(60);

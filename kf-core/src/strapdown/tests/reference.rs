@@ -1,4 +1,4 @@
-//! The tie to the reference: fixes at any times, and fixes that are none.
+//! The tie to the reference: fixes at any times, and wrong fixes.
 
 use super::*;
 use proptest::prelude::*;
@@ -7,8 +7,8 @@ fn rest() -> ImuSample {
     sample([0.0, 0.0, -G], [0.0; 3])
 }
 
-/// At rest at 1,000 m, with an accelerometer that is 0.05 m/s^2 off, a fix wherever `fix` gives one for a
-/// tick.
+/// At rest at 1,000 m, with an accelerometer that is 0.05 m/s^2 off, and a fix at each tick for which `fix`
+/// returns one.
 fn rested(seconds: u64, mut fix: impl FnMut(u64) -> Option<f32>) -> Rig {
     let mut rig = Rig::new();
     for tick in 1..=seconds * SECOND {
@@ -43,7 +43,7 @@ fn an_outage_at_the_start_leaves_nothing() {
     }
 }
 
-/// What the tie begins with is one fix, and no more than the next ones.
+/// The tie begins with one fix, which has no more weight than the next ones.
 #[test]
 fn a_first_fix_that_is_wrong_is_outweighed_by_the_next_five() {
     let rig =
@@ -52,20 +52,20 @@ fn a_first_fix_that_is_wrong_is_outweighed_by_the_next_five() {
     assert!(rig.channel.is_aligned() && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
 }
 
-/// Nor are the first few, which one error may have made: they are outweighed once others have contradicted
-/// them for longer than they came.
+/// The same for the first few, which may have one common error: they are outweighed once others have
+/// contradicted them for longer than they lasted.
 #[test]
 fn first_fixes_that_are_wrong_are_outweighed_by_as_many_again() {
     for wrong_ticks in [120, 400] {
         let rig = rested(40, |tick| {
             tick.is_multiple_of(40).then_some(if tick <= wrong_ticks { 3_000.0 } else { 1_000.0 })
         });
-        // As long again, and the two fixes that it takes to see that.
+        // The same time again, and the two fixes needed to detect it.
         let least_s = 40.0 - 2.0 * wrong_ticks as f32 / SECOND as f32 - 0.5;
         assert!(rig.channel.anchor.elapsed_s() > least_s, "{}", rig.channel.anchor.elapsed_s());
         assert!(rig.channel.is_aligned() && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
     }
-    // A tie that has lasted for longer than ten seconds is not outweighed by five.
+    // A tie that has lasted longer than ten seconds is not outweighed by five.
     let rig = rested(40, |tick| {
         let is_wrong = (30 * SECOND..35 * SECOND).contains(&tick);
         tick.is_multiple_of(40).then_some(if is_wrong { 3_000.0 } else { 1_000.0 })
@@ -73,7 +73,7 @@ fn first_fixes_that_are_wrong_are_outweighed_by_as_many_again() {
     assert!(rig.channel.anchor.elapsed_s() > 30.0 && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
 }
 
-/// The one that the gains by 1/step^2 blew up: a metre off, 5 ms after another.
+/// A fix a metre off, 5 ms after another: gains with 1/step^2 blew up here.
 #[test]
 fn one_more_fix_at_once_says_nothing_of_the_climb() {
     for tick in [41, 81, 401, 4_001, 10_001] {
@@ -99,8 +99,8 @@ fn two_fixes_are_no_alignment() {
     assert_eq!((rig.channel.is_aligned(), rig.channel.altitude_m()), (false, None));
 }
 
-/// Once aligned, it lasts through an outage of a minute and not through one of five: nothing is published as
-/// if it were tied.
+/// Once aligned, the altitude lasts through an outage of a minute but not through one of five: it must not be
+/// published as if it were tied.
 #[test]
 fn an_outage_ends_the_alignment_in_time() {
     let aligned = |outage_s: u64| {
@@ -139,8 +139,8 @@ fn a_jump_of_a_second_is_refused_and_one_that_stays_is_followed() {
     }
 }
 
-/// After an outage of half a minute the first fix is 25 m off, which nothing shows before the next one: until
-/// then nothing is said.
+/// After an outage of half a minute the first fix is 25 m off, which only the next one shows: until then
+/// there is no altitude.
 #[test]
 fn after_an_outage_a_fix_that_moves_the_altitude_far_is_confirmed_by_the_next() {
     let flown = |off_m: f32, seconds: u64| {
@@ -162,8 +162,8 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     /// Fixes at any times: gaps up to two minutes, bursts of a millisecond, jitter, one in ten an outlier.
-    /// Whatever is published is within five of its own sigmas of the truth, and a minute of regular fixes
-    /// afterwards heals what there was.
+    /// Every published value is within five of its own sigmas of the truth, and a minute of regular fixes
+    /// afterwards removes earlier errors.
     #[test]
     fn fixes_at_any_times_tie(
         stretches in proptest::collection::vec(
@@ -182,7 +182,7 @@ proptest! {
             for _ in 0..ticks {
                 rig.step(&rest());
                 while kind != 0 && due_us <= rig.time_us() {
-                    // Each of another size: two that agree are a step, not outliers.
+                    // Each of a different size: two that agree are a step, not outliers.
                     let wanted = if kind == 4 && uniform(seed) < 0.1 { outlier * (0.2 + uniform(seed)) } else { 0.0 };
                     let noise = 2.0 * uniform(seed) - 1.0;
                     // A fix may be up to a tick older than the sample that it comes with.

@@ -1,5 +1,5 @@
-//! BMP390 barometer (Bosch BST-BMP390-DS002, revision 1.7; section numbers are its): registers, normal mode
-//! and the data path. FIFO, interrupts and forced mode are not modelled.
+//! BMP390 barometer (section numbers are those of Bosch BST-BMP390-DS002, revision 1.7): registers, normal
+//! mode and the data path. FIFO, interrupts and forced mode are not modelled.
 
 mod trimming;
 
@@ -18,26 +18,26 @@ const ODR: u8 = 0x1D;
 const NVM: u8 = 0x30;
 const CMD: u8 = 0x7E;
 
-/// ERR_REG: rate and oversampling do not go together (4.3.3).
+/// ERR_REG: rate and oversampling are incompatible (4.3.3).
 const CONFIGURATION_ERROR: u8 = 0x04;
 /// STATUS: ready for a command; new pressure; new temperature (4.3.4).
 const COMMAND_READY: u8 = 0x10;
 const DATA_READY: u8 = 0x60;
 
-/// After power or a reset, microseconds.
+/// Start time after power-on or a reset, microseconds.
 const START_US: u64 = 2_000;
 
 /// The chip.
 #[derive(Clone, Debug)]
 pub struct Bmp390Model<Surroundings> {
-    /// The air around it, sampled in the middle of each conversion.
+    /// The surrounding air, sampled in the middle of each conversion.
     pub air: Surroundings,
-    /// Time that each conversion takes beyond the datasheet's, microseconds.
+    /// Time by which each conversion exceeds the datasheet's, microseconds.
     pub slower_by_us: u64,
     trimming: Trimming,
     registers: [u8; 128],
     ready_us: u64,
-    /// When the conversion that is running ends.
+    /// When the running conversion ends.
     done_us: Option<u64>,
     address: u8,
     reading: bool,
@@ -60,7 +60,7 @@ impl<Surroundings: Source<Air>> Bmp390Model<Surroundings> {
         }
     }
 
-    /// A register, to look at or to damage. An address has 7 bits.
+    /// A register, to inspect or damage. An address has 7 bits.
     pub const fn register_mut(&mut self, address: u8) -> &mut u8 {
         &mut self.registers[(address & 0x7F) as usize]
     }
@@ -81,7 +81,7 @@ impl<Surroundings: Source<Air>> Bmp390Model<Surroundings> {
         234 + 392 + oversampled(osr & 7) + 163 + oversampled((osr >> 3) & 7) + self.slower_by_us
     }
 
-    /// From one conversion's start to the next in normal mode: 5 ms times a power of two (section 4.3.19).
+    /// Time between the starts of two conversions in normal mode: 5 ms times a power of two (section 4.3.19).
     fn period_us(&self) -> u64 {
         (5_000u64 << self.register(ODR).min(17)).max(self.conversion_us())
     }
@@ -152,7 +152,7 @@ impl<Surroundings: Source<Air>> SpiChip for Bmp390Model<Surroundings> {
             return 0;
         }
         if self.reading {
-            // Section 5.3.2: one byte of nothing, then the registers.
+            // Section 5.3.2: one dummy byte, then the registers.
             if position == 1 {
                 return 0;
             }
@@ -160,7 +160,7 @@ impl<Surroundings: Source<Air>> SpiChip for Bmp390Model<Surroundings> {
             self.address = (self.address + 1) & 0x7F;
             return value;
         }
-        // Writing does not count up: address and value in turn.
+        // A write does not increment the address: address and value alternate.
         if position % 2 == 1 {
             self.write(now_us, self.address, mosi);
         } else {

@@ -1,11 +1,11 @@
-//! The chip's trimming coefficients, and what its converter makes of the air: the formulas of
+//! The chip's trimming coefficients, and its converter's output for given air: the formulas of
 //! BST-BMP390-DS002, section 8, inverted in wide integers.
 
 use crc::{CRC_8_SAE_J1850, Crc};
 
 use crate::source::Air;
 
-/// Of the manufacturer's self-test (BMP3 sensor API): CRC-8 over the 21 bytes that follow it.
+/// CRC of the manufacturer's self-test (BMP3 sensor API): CRC-8 over the 21 bytes that follow it.
 const CRC: Crc<u8> = Crc::<u8>::new(&CRC_8_SAE_J1850);
 
 /// NVM_PAR_T1 to T3 and P1 to P11 as the chip stores them.
@@ -19,7 +19,7 @@ pub struct Trimming {
 }
 
 impl Trimming {
-    /// Those of a real chip: the tests of the Elixir library `bmp3xx`.
+    /// Coefficients of a real chip, from the tests of the Elixir library `bmp3xx`.
     pub const REAL: Self = Self {
         t: [27_427, 18_776, -10],
         p: [-164, -2_866, 35, 0, 25_578, 31_086, -13, -10, 17_322, 18, -60],
@@ -40,7 +40,8 @@ impl Trimming {
         registers
     }
 
-    /// Raw pressure and temperature of this air, to the nearest count; a 24-bit converter stops at its ends.
+    /// Raw pressure and temperature of this air, to the nearest count; a 24-bit converter saturates at its
+    /// ends.
     #[must_use]
     pub fn raw(&self, air: Air) -> (u32, u32) {
         let wanted_t = i128::from((air.temperature_c * 1_048_576.0) as i64) << 4;
@@ -72,7 +73,7 @@ impl Trimming {
     }
 }
 
-/// The count at which a monotonic function comes nearest to a value.
+/// The count at which a monotonic function is nearest to a value.
 fn nearest(function: impl Fn(u32) -> i128, wanted: i128) -> u32 {
     let (mut low, mut high) = (0u32, 0xFF_FFFF);
     let rising = function(high) > function(low);
@@ -92,7 +93,7 @@ fn nearest(function: impl Fn(u32) -> i128, wanted: i128) -> u32 {
 mod tests {
     use super::*;
 
-    /// The data of the same library's test, backward from its result.
+    /// The data of the same library's test, computed backwards from its result.
     #[test]
     fn published_vector() {
         let air = Air { pressure_pa: 100_876.01, temperature_c: 30.499_314 };

@@ -1,4 +1,4 @@
-//! Faults of the board's chips on demand, as a flight record carries them.
+//! Faults of the board's chips on demand, as stored in a flight record.
 
 use flight_record::{Kind, Payload};
 use serde::{Deserialize, Serialize};
@@ -26,22 +26,22 @@ pub enum Chip {
 /// What a chip measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Quantity {
-    /// Barometer: static pressure, Pa; its bits are those of D1.
+    /// Barometer: static pressure, Pa; bits are those of D1.
     Pressure,
-    /// Barometer: its temperature, degrees Celsius; its bits are those of D2.
+    /// Barometer: its temperature, degrees Celsius; bits are those of D2.
     Temperature,
     /// Inertial unit: specific force along this axis (0 to 2: forward, right, down), m/s^2; 16 bits.
     Force(u8),
     /// Inertial unit: angular rate about this axis, rad/s; 16 bits.
     Rate(u8),
-    /// Receiver: both its altitudes, metres; its bits are those of the message's millimetres.
+    /// Receiver: both its altitudes, metres; bits are those of the message's millimetres.
     Altitude,
-    /// Receiver: its velocity along this axis (0 to 2: north, east, down), m/s; there are no bits to flip.
+    /// Receiver: its velocity along this axis (0 to 2: north, east, down), m/s; has no bits to flip.
     Velocity(u8),
 }
 
 impl Quantity {
-    /// Whose it is, and its place among that chip's.
+    /// The chip that measures it, and its index among that chip's quantities.
     const fn channel(self) -> (Chip, usize) {
         match self {
             Self::Pressure => (Chip::Baro, 0),
@@ -53,7 +53,7 @@ impl Quantity {
         }
     }
 
-    /// Whether that chip has it.
+    /// Whether that chip measures it.
     const fn is_of(self, chip: Chip) -> bool {
         let has_axis = match self {
             Self::Force(axis) | Self::Rate(axis) | Self::Velocity(axis) => axis < 3,
@@ -67,159 +67,159 @@ impl Quantity {
     }
 }
 
-/// What goes wrong.
+/// A fault of a chip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fault {
-    /// Nothing, from now on: what a fault before has changed for good in the chip stays as it is.
+    /// No fault from now on; permanent changes from an earlier fault stay in the chip.
     None,
     /// SPI: the chip's data line reads 0.
     StuckLow,
-    /// SPI: it reads 1.
+    /// SPI: the chip's data line reads 1.
     StuckHigh,
     /// SPI: the peripheral reports an error for every transaction.
     BusError,
-    /// These bits of one byte that the chip sends, after so many more, are flipped, once.
+    /// These bits are flipped once, in the byte that the chip sends after `after_bytes` more.
     FlipBits {
-        /// Bytes until then.
+        /// Bytes before it.
         after_bytes: u32,
         /// The bits.
         mask: u8,
     },
-    /// Its power dips, once.
+    /// The chip's supply dips, once.
     Reset,
-    /// Barometer: conversions take so much longer than the datasheet's longest, microseconds.
+    /// Barometer: conversions exceed the datasheet's longest time, microseconds.
     Slow {
-        /// How much.
+        /// By this much.
         by_us: u32,
     },
-    /// Barometer, inertial unit: it makes no samples any more.
+    /// Barometer, inertial unit: it stops making samples.
     Stalled,
     /// UART: nothing passes.
     Unplugged,
     /// UART: the next bytes that the device sends are lost, once.
     LoseBytes {
-        /// How many.
+        /// Number of bytes.
         count: u32,
     },
     /// Receiver: it refuses every configuration message.
     Refuses,
     /// Receiver: it acknowledges nothing. Mother ship: it sends nothing.
     Silent,
-    /// SPI: whatever the chip sends arrives as noise. UART: whatever is sent, the line carries bytes of
-    /// noise, as many as it can; a line that floats does so after separation as well.
+    /// SPI: whatever the chip sends arrives as noise. UART: whatever is sent, the line carries bytes of noise
+    /// at its full rate; a floating line does so after separation as well.
     Garbage {
-        /// Which bytes.
+        /// Seed of the bytes.
         seed: u32,
     },
-    /// Umbilical: another MAVLink system on the line sends ALTITUDE ten times a second, beside the mother
-    /// ship; until separation.
+    /// Umbilical: another MAVLink system on the line sends ALTITUDE ten times a second, in addition to the
+    /// mother ship; until separation.
     Stranger {
         /// Its MAVLink system.
         system: u8,
         /// Its component.
         component: u8,
-        /// What it sends, metres.
+        /// The altitude that it sends, metres.
         altitude_m: i32,
     },
-    /// Umbilical: the mother ship's altitude is wrong by so much, metres.
+    /// Umbilical: the mother ship's altitude is wrong by this much, metres.
     Lies {
-        /// Too high by.
+        /// Too high by this much.
         by_m: i32,
     },
     /// Umbilical: the mother ship sends NaN.
     NotANumber,
-    /// Umbilical: the mother ship sends one altitude for ever.
+    /// Umbilical: the mother ship sends the same altitude for ever.
     Holds,
-    /// Umbilical: the cable is torn as a whole: the wire reads open, and nothing passes on the line.
+    /// Umbilical: the whole cable is torn: the wire reads open, and nothing passes on the line.
     Torn,
-    /// Wire: it reads open, whatever it is: broken.
+    /// Wire: it reads open whatever its state: broken.
     Open,
-    /// Wire: it reads closed: shorted.
+    /// Wire: it reads closed whatever its state: shorted.
     Shorted,
     /// Wire: it cannot be read.
     Unreadable,
-    /// Wire: it opens and closes at random, whatever it is. Each state lasts between nothing and twice its
-    /// mean; shorter than a tick, and the tick sees one of them.
+    /// Wire: it opens and closes at random, whatever its state. Each state lasts between zero and twice its
+    /// mean; if shorter than a tick, the tick sees one of them.
     Bounces {
         /// Mean time open, microseconds.
         open_us: u32,
         /// Mean time closed, microseconds.
         closed_us: u32,
-        /// Which of the random sequences.
+        /// Seed of the random sequence.
         seed: u32,
     },
-    /// Inertial unit: bits of one of its registers are flipped, once, until something writes it. Receiver:
-    /// one of its settings, once, until it is configured: 0 whether it sends solutions, 1 whether it sends
-    /// NMEA, 2 its rate, back to once a second.
+    /// Inertial unit: bits of one of its registers are flipped once, until the register is written. Receiver:
+    /// one of its settings is changed once, until it is configured: 0 whether it sends solutions, 1 whether
+    /// it sends NMEA, 2 its rate, back to once a second.
     FlipRegister {
-        /// Address of the register in bank 0, or which setting.
+        /// Address of the register in bank 0, or number of the setting.
         address: u8,
         /// The bits.
         mask: u8,
     },
     /// Barometer: bits of its calibration memory read wrong.
     FlipProm {
-        /// Which of its 16 bytes.
+        /// Index of the byte, of 16.
         byte: u8,
         /// The bits.
         mask: u8,
     },
-    /// Bits of the next results are flipped, in the chip, once.
+    /// Bits of the next results are flipped in the chip, once.
     FlipData {
-        /// Of what.
+        /// The quantity.
         quantity: Quantity,
-        /// The bits, 24 of the barometer's, 16 of the inertial unit's, 32 of the receiver's.
+        /// The bits: 24 for the barometer, 16 for the inertial unit, 32 for the receiver.
         mask: u32,
-        /// Of how many results.
+        /// Number of results.
         results: u32,
     },
-    /// The next results are wrong by so much, once, within the chip's range.
+    /// The next results are wrong by this much, once, within the chip's range.
     Spike {
-        /// Which.
+        /// The quantity.
         quantity: Quantity,
-        /// By how many thousandths of its unit.
+        /// Size, thousandths of its unit.
         by_milli: i32,
-        /// How many results.
+        /// Number of results.
         results: u32,
     },
-    /// Results are wrong by so much, within the chip's range: what is far beyond it saturates the chip.
+    /// Results are wrong by this much, within the chip's range: an error far beyond it saturates the chip.
     Offset {
-        /// Which.
+        /// The quantity.
         quantity: Quantity,
-        /// By how many thousandths of its unit.
+        /// Size, thousandths of its unit.
         by_milli: i32,
     },
-    /// The last result is repeated, and said to be new; the receiver's with the time of now.
+    /// The last result is repeated and reported as new; the receiver's with the present time.
     Frozen,
-    /// Receiver: the last solution is repeated, with the time of then.
+    /// Receiver: the last solution is repeated with its original time.
     Held,
-    /// Receiver: it has no fix, and says so.
+    /// Receiver: it has no fix, and reports so.
     NoFix,
-    /// Receiver: it has started cold: its altitude is wrong at first, and the error decays.
+    /// Receiver: after a cold start its altitude is wrong at first, and the error decays.
     ColdStart {
-        /// The error at the beginning, mm.
+        /// The initial error, mm.
         error_mm: i32,
-        /// Its time constant, s.
+        /// Time constant of its decay, s.
         decay_s: u16,
-        /// Whether its estimate of its accuracy knows of it.
+        /// Whether its accuracy estimate includes the error.
         is_honest: bool,
     },
     /// Barometer: the next conversions never end, once.
     LoseConversions {
-        /// How many.
+        /// Number of conversions.
         count: u32,
     },
-    /// Inertial unit: the airframe shakes it.
+    /// Inertial unit: vibration of the airframe.
     Vibration {
-        /// What is shaken.
+        /// The quantity that vibrates.
         quantity: Quantity,
         /// Frequency, mHz.
         frequency_mhz: u32,
         /// Amplitude, thousandths of the quantity's unit.
         amplitude_milli: u32,
     },
-    /// Receiver: from now on it is one of generation 8, just switched on, on a line of that speed. No fault,
-    /// but what a board may have; it stays.
+    /// Receiver: from now on it is one of generation 8, just switched on, on a line of this speed. This is
+    /// not a fault but a possible configuration of a board; it stays.
     Generation8 {
         /// Speed of its line, baud.
         baud: u32,
@@ -227,7 +227,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// What it does to the wires of an SPI bus, if that is what it is.
+    /// Its effect on the wires of an SPI bus, if it has one.
     pub(super) const fn of_wires(self) -> Option<WireFault> {
         match self {
             Self::StuckLow => Some(WireFault::StuckLow),
@@ -239,7 +239,7 @@ impl Fault {
         }
     }
 
-    /// What it does to the lines of a UART.
+    /// Its effect on the lines of a UART.
     pub(super) fn of_line(self) -> LineFaults {
         let mut faults = LineFaults::default();
         match self {
@@ -252,7 +252,7 @@ impl Fault {
         faults
     }
 
-    /// What it does to a chip's results.
+    /// Its effect on a chip's results.
     pub(super) fn of_results(self) -> Disturbance {
         let mut disturbance = Disturbance::NONE;
         let offset = |quantity: Quantity, by_milli: i32, results| {
@@ -274,7 +274,7 @@ impl Fault {
         disturbance
     }
 
-    /// How it shakes the inertial unit.
+    /// The vibration of the inertial unit, if it is one.
     pub(super) const fn of_airframe(self) -> Option<Vibration> {
         match self {
             Self::Vibration { quantity, frequency_mhz, amplitude_milli } => Some(Vibration {
@@ -286,7 +286,7 @@ impl Fault {
         }
     }
 
-    /// Whether it is over as soon as it has happened, so that nothing ends it.
+    /// Whether it is over as soon as it has happened, so that it needs no end.
     #[must_use]
     pub const fn is_once(self) -> bool {
         matches!(
@@ -304,7 +304,7 @@ impl Fault {
 }
 
 impl Chip {
-    /// Whether that can go wrong with this chip.
+    /// Whether this chip can have this fault.
     #[must_use]
     pub const fn can(self, fault: Fault) -> bool {
         match fault {
@@ -343,12 +343,12 @@ impl Chip {
     }
 }
 
-/// A fault that begins, at the tick that follows it in the record.
+/// A fault that begins at the tick after it in the record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ChipFault {
-    /// Of which chip.
+    /// The chip.
     pub chip: Chip,
-    /// What.
+    /// The fault.
     pub fault: Fault,
 }
 

@@ -1,9 +1,9 @@
-//! A sensor that is on the board, or not yet.
+//! A sensor that may not be on the board yet.
 
 use drivers::{AltitudeLink, Barometer, BarometerSample, InertialUnit, SatelliteReceiver, SensorError};
 use kf_core::input::{GpsFix, ImuSample};
 
-/// A driver that is polled only once its chip is there.
+/// A driver that is polled only once its chip is fitted.
 #[derive(Clone, Debug)]
 pub struct Fitted<Driver> {
     /// The driver.
@@ -12,24 +12,24 @@ pub struct Fitted<Driver> {
 }
 
 impl<Driver> Fitted<Driver> {
-    /// A driver whose chip is not there.
+    /// A driver whose chip is not fitted.
     pub const fn absent(driver: Driver) -> Self {
         Self { driver, is_fitted: false }
     }
 
-    /// Another driver of the chip, if that is there.
+    /// The same chip, fitted or not, with another driver.
     pub const fn with<Other>(&self, driver: Other) -> Fitted<Other> {
         Fitted { driver, is_fitted: self.is_fitted }
     }
 
-    /// The chip is there from now on; whether it was not before.
+    /// Fits the chip. Returns whether it was absent before.
     pub const fn fit(&mut self) -> bool {
         let is_new = !self.is_fitted;
         self.is_fitted = true;
         is_new
     }
 
-    /// The driver of a chip that is there.
+    /// The driver, if its chip is fitted.
     pub const fn fitted(&mut self) -> Option<&mut Driver> {
         if self.is_fitted { Some(&mut self.driver) } else { None }
     }

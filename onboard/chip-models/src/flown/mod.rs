@@ -1,15 +1,15 @@
-//! A flight flown on chips: the board's drivers on the models of their chips, which are fed with what a
-//! flight says, tick by tick. The emulated flight computer and the workbench beside it run the same.
+//! Flies a flight on chips: the board's drivers run on models of their chips, which are fed with the flight's
+//! data tick by tick. The emulated flight computer and the workbench beside it run the same code.
 //!
 //! # What a flight becomes
-//! A barometer reading becomes the static pressure at the MS5611 (an altitude through the standard
+//! A barometer reading becomes the static pressure at the MS5611 (an altitude is converted with the standard
 //! atmosphere), an inertial sample the motion of the ICM-42688-P, a fix a solution of the u-blox receiver at
-//! that moment, the mother ship's altitude a MAVLink message on the umbilical. Each is held until the flight
-//! has the next. A chip gets its power with the flight's first value for it; what a flight has no value for
-//! is not on the board. What no chip of the board measures (an external unit's altitude, air data, attitude)
-//! comes as it is, and so does the launch discrete, but for what is wrong with its wire.
+//! that moment, and the mother ship's altitude a MAVLink message on the umbilical. Each is held until the
+//! flight has the next one. A chip is powered on at the flight's first value for it; a chip without values is
+//! not on the board. What no chip of the board measures (an external unit's altitude, air data, attitude) is
+//! passed on unchanged, and so is the launch discrete, except for faults of its wire.
 //!
-//! What could not go through a chip as the flight has it is counted: [`TruthCounts`].
+//! Values that could not go through a chip unchanged are counted: [`TruthCounts`].
 
 mod fault;
 mod fitted;

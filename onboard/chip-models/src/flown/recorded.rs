@@ -10,12 +10,12 @@ use super::suite::ModelledSuite;
 use super::truth::TruthCounts;
 use crate::metered::WorkObserver;
 
-/// Sensors of either kind.
+/// Ideal or modelled sensors.
 #[expect(clippy::large_enum_variant, reason = "there is one, and no heap")]
 pub enum RecordedSensors<Observer> {
-    /// They deliver what the record says, as it is.
+    /// Deliver the record's values unchanged.
     Ideal(ReplayedSuite),
-    /// They are drivers on models of their chips.
+    /// Drivers on models of their chips.
     Chips(ModelledSuite<Observer>),
 }
 
@@ -38,7 +38,7 @@ impl<Observer: WorkObserver + Clone> RecordedSensors<Observer> {
 }
 
 impl<Observer: WorkObserver> RecordedSensors<Observer> {
-    /// Gives them what the record has for the next poll.
+    /// Loads the record's values for the next poll.
     pub fn load(&mut self, record: &TickInput) {
         match self {
             Self::Ideal(suite) => suite.load(record),
@@ -46,7 +46,7 @@ impl<Observer: WorkObserver> RecordedSensors<Observer> {
         }
     }
 
-    /// A fault of a chip begins, or ends; whether there is such a chip.
+    /// Starts or ends a fault of a chip. Returns whether there are chips.
     pub fn inject(&mut self, event: ChipFault) -> bool {
         match self {
             Self::Ideal(_) => false,
@@ -57,7 +57,7 @@ impl<Observer: WorkObserver> RecordedSensors<Observer> {
         }
     }
 
-    /// What could not go through the chips as the flight has it; nothing, for ideal sensors.
+    /// Values that could not go through the chips unchanged; none for ideal sensors.
     pub fn counts(&self) -> TruthCounts {
         match self {
             Self::Ideal(_) => TruthCounts::default(),
@@ -65,7 +65,7 @@ impl<Observer: WorkObserver> RecordedSensors<Observer> {
         }
     }
 
-    /// Fixes that the receiver told nobody of; see [`ModelledSuite::untold_solutions`].
+    /// Fixes that the receiver did not send; see [`ModelledSuite::untold_solutions`].
     pub fn untold_solutions(&mut self) -> u32 {
         match self {
             Self::Ideal(_) => 0,

@@ -20,31 +20,31 @@ use crate::ms5611::{EXAMPLE_CALIBRATION, Ms5611Model};
 use crate::source::{Air, Held, Motion, Source};
 use crate::ublox::{self, ColdStart, ReceiverModel, Solution, TIME_OF_WEEK_MS};
 
-/// Speed of the receiver's line, baud: a flight may have more fixes a second than any receiver makes, and 200
-/// of them take 200 kbaud.
+/// Speed of the receiver's line, baud. A flight may have more fixes a second than any receiver delivers, and
+/// 200 of them take 200 kbaud.
 pub const RECEIVER_BAUD: u32 = 460_800;
 /// Speed of the umbilical's line, baud.
 pub const UMBILICAL_BAUD: u32 = 115_200;
 
-/// How the board has its inertial unit.
+/// The board's configuration of its inertial unit.
 const IMU_CONFIG: drivers::icm42688p::Config = drivers::icm42688p::Config {
     accel_range: AccelRange::G16,
     gyro_range: GyroRange::Dps2000,
     mounting: Mounting::ALIGNED,
 };
-/// And its receiver.
+/// The board's configuration of its receiver.
 const GPS_CONFIG: drivers::ublox::Config =
     drivers::ublox::Config { datum: Datum::MeanSeaLevel, period_ms: PERIOD_MS, baud: RECEIVER_BAUD };
-/// What the receiver is configured for, milliseconds. The flight's fixes come when they come.
+/// Period that the receiver is configured for, milliseconds. The flight's fixes come at their own times.
 const PERIOD_MS: u16 = 100;
 /// Generation of the receiver.
 const GENERATION: u8 = 9;
-/// Latest time that the chips' sums of times hold, microseconds: 9,000 years.
+/// Latest time at which the chips' sums of times do not overflow, microseconds: 9,000 years.
 const LATEST_US: u64 = 1 << 58;
-/// The mother ship as MAVLink knows her.
+/// The mother ship's MAVLink address.
 const MOTHER_SHIP: Sender = Sender::FIRST_AUTOPILOT;
 
-/// A receiver without epochs of its own.
+/// A source without solutions: the receiver has no navigation epochs of its own.
 #[derive(Clone, Copy, Debug)]
 pub struct NoEpochs;
 
@@ -69,7 +69,7 @@ type Board<Observer> = Suite<
     ModelledWire,
 >;
 
-/// The board on models of its chips, for a flight that is replayed tick by tick.
+/// The board on models of its chips, for replaying a flight tick by tick.
 pub struct ModelledSuite<Observer> {
     board: Board<Observer>,
     now_us: u64,
@@ -79,14 +79,14 @@ pub struct ModelledSuite<Observer> {
 }
 
 impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
-    /// A board without a chip on it; `observer` is told when the models work.
+    /// A board without a chip on it. `observer` is notified when the models work.
     pub fn new(observer: &Observer) -> Self {
         let still =
             Motion { accel_mps2: [0.0; 3], gyro_radps: [0.0; 3], temperature_c: ASSUMED_TEMPERATURE_C };
         let vacuum = Air { pressure_pa: 0.0, temperature_c: ASSUMED_TEMPERATURE_C };
         let baro = Ms5611Model::new(EXAMPLE_CALIBRATION, Held(vacuum));
         let mut receiver = ReceiverModel::new(GENERATION, RECEIVER_BAUD, NoEpochs);
-        // A flight has a fix at the time at which it arrived.
+        // A flight records a fix at the time of its arrival.
         receiver.latency_us = 0;
         let mother_ship = MotherShipModel::new(MOTHER_SHIP.system, UMBILICAL_BAUD);
         Self {
@@ -111,8 +111,8 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
 }
 
 impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
-    /// The flight computer was reset, and the chips were not: they are as they were, with whatever is wrong
-    /// with them, and drivers that know nothing of it begin with them.
+    /// Models a reset of the flight computer alone. The chips keep their state and their faults; new drivers
+    /// start without knowing that state.
     #[inline(never)]
     pub fn restart(&mut self) {
         let old = &mut self.board;
@@ -133,17 +133,17 @@ impl<Observer: WorkObserver + Clone> ModelledSuite<Observer> {
 }
 
 impl<Observer: WorkObserver> ModelledSuite<Observer> {
-    /// What could not go through the chips as the flight has it.
+    /// Values that could not go through the chips unchanged.
     pub fn counts(&self) -> TruthCounts {
         self.counts
     }
 
-    /// Solutions that the receiver told nobody: it was not configured yet, or too many came at a time.
+    /// Solutions that the receiver did not send: it was not configured yet, or too many came at a time.
     pub fn untold_solutions(&mut self) -> u32 {
         self.board.receiver.driver.port_mut().0.port.untold_solutions
     }
 
-    /// Lets time pass up to a tick, and surrounds the chips with what is new at it.
+    /// Lets time pass up to a tick, and gives the chips the tick's new values as their surroundings.
     pub fn load(&mut self, record: &TickInput) {
         if (self.now_us..=LATEST_US).contains(&record.time_us) {
             self.now_us = record.time_us;
@@ -243,14 +243,14 @@ impl<Observer: WorkObserver> ModelledSuite<Observer> {
         }
     }
 
-    /// How much further the receiver's clock is than the flight computer's, microseconds: one of the two has
-    /// leapt, or the flight computer was away.
+    /// Sets how far the receiver's clock is ahead of the flight computer's, microseconds: one of the two has
+    /// jumped, or the flight computer was off.
     pub fn set_receivers_lead(&mut self, lead_us: i64) {
         let model = &mut self.board.receiver.driver.port_mut().0.port;
         model.time_of_week_ms = TIME_OF_WEEK_MS.saturating_add_signed(lead_us / 1_000);
     }
 
-    /// A fault begins, or ends.
+    /// Starts or ends a fault.
     pub fn inject(&mut self, event: ChipFault) {
         let ChipFault { chip, fault } = event;
         if !chip.can(fault) {
@@ -333,7 +333,7 @@ impl<Observer: WorkObserver> ModelledSuite<Observer> {
     }
 }
 
-/// A chip that is new gets its power now.
+/// Powers on a chip that is new.
 fn power<Chip: SpiChip>(bus: &mut ChipOnBus<Chip>, is_new: bool, now_us: u64) {
     if is_new {
         bus.set_time(now_us);

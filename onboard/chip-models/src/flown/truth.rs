@@ -1,4 +1,4 @@
-//! What a flight says, as the surroundings of the chips.
+//! Converts a flight's values to the surroundings of the chips.
 
 use kf_core::atmosphere::static_pressure_pa;
 use kf_core::input::{BaroReading, GpsFix, ImuSample};
@@ -6,45 +6,46 @@ use kf_core::input::{BaroReading, GpsFix, ImuSample};
 use crate::source::{Air, Motion};
 use crate::ublox::Solution;
 
-/// Temperature of a chip that the flight has none for, degrees Celsius: the one at which the datasheets give
-/// their figures.
+/// Temperature of a chip for which the flight has none, degrees Celsius: the one for which the datasheets
+/// give their figures.
 pub const ASSUMED_TEMPERATURE_C: f32 = 25.0;
-/// Satellites of a fix that the flight has no count for. A receiver's message has no way to say "not known".
+/// Satellites of a fix without a count. A receiver's message cannot express "not known".
 pub const ASSUMED_SATELLITES: u8 = 12;
 
 /// Full scale of the MS5611 (datasheet: 10 to 1200 mbar, -40 to 85 degrees).
 const PRESSURE_PA: core::ops::RangeInclusive<f32> = 1_000.0..=120_000.0;
 const TEMPERATURE_C: core::ops::RangeInclusive<f32> = -40.0..=85.0;
-/// Full scale of the ICM-42688-P as the board sets it: 16 g, 2000 degrees a second.
+/// Full scale of the ICM-42688-P as the board configures it: 16 g, 2000 degrees a second.
 const FULL_SCALE_MPS2: f32 = 16.0 * kf_core::atmosphere::STANDARD_GRAVITY_MPS2;
 const FULL_SCALE_RADPS: f32 = 2_000.0 * (core::f32::consts::PI / 180.0);
-/// What the receiver's millimetres in 32 bits hold, metres and m/s.
+/// Range of the receiver's millimetres in 32 bits, metres and m/s.
 const FULL_SCALE_M: f32 = 2_147_483.0;
 
-/// What of a flight could not go through the chips as the flight has it. All saturate.
+/// Counts of a flight's values that could not go through the chips unchanged. All saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TruthCounts {
-    /// Values that are NaN or infinite: no chip can be subject to them; it keeps what it last was.
+    /// Values that are NaN or infinite: no chip can be subject to them, and it keeps the last valid ones.
     pub not_finite: u32,
-    /// Pressures and temperatures beyond the barometer's range. The chip stops at its end, and its driver
-    /// says so.
+    /// Pressures and temperatures beyond the barometer's range. The chip saturates, and its driver reports
+    /// that.
     pub baro_beyond_range: u32,
-    /// Specific forces and rates beyond the inertial unit's range. The chip stops at its end, and its driver
-    /// says so.
+    /// Specific forces and rates beyond the inertial unit's range. The chip saturates, and its driver reports
+    /// that.
     pub imu_beyond_range: u32,
-    /// Altitudes and velocities beyond what the receiver's message holds.
+    /// Altitudes and velocities beyond the range of the receiver's message.
     pub gps_beyond_range: u32,
-    /// Barometer readings without a temperature before them: [`ASSUMED_TEMPERATURE_C`] was taken.
+    /// Barometer readings without a temperature before them: [`ASSUMED_TEMPERATURE_C`] was used.
     pub assumed_temperatures: u32,
-    /// Fixes without a satellite count: [`ASSUMED_SATELLITES`] was taken.
+    /// Fixes without a satellite count: [`ASSUMED_SATELLITES`] was used.
     pub assumed_satellites: u32,
-    /// Fixes with some of the three velocities: their velocity was taken for not known.
+    /// Fixes with only some of the three velocities: their velocity was treated as not known.
     pub partial_velocities: u32,
     /// Fixes that repeat the last one: a receiver sends a solution once.
     pub held_fixes: u32,
-    /// Altitudes of the mother ship after launch: the umbilical is open.
+    /// Altitudes of the mother ship after launch, when the umbilical is open.
     pub after_launch: u32,
-    /// Ticks whose time lies before the last one's, or beyond any flight's: for the chips no time has passed.
+    /// Ticks whose time is earlier than the last one's, or later than any flight's: no time passes for the
+    /// chips.
     pub impossible_times: u32,
     /// Faults that the chip cannot have.
     pub impossible_faults: u32,
@@ -54,7 +55,7 @@ pub(super) fn count(counter: &mut u32) {
     *counter = counter.saturating_add(1);
 }
 
-/// The air at the barometer after this reading; `None` for one that no air can have.
+/// The air at the barometer after this reading; `None` if no air can have these values.
 pub(super) fn air(reading: BaroReading, temperature_c: Option<f32>, counts: &mut TruthCounts) -> Option<Air> {
     let pressure_pa = match reading {
         BaroReading::PressurePa(pressure_pa) => pressure_pa,
@@ -88,7 +89,7 @@ pub(super) fn motion(sample: &ImuSample, counts: &mut TruthCounts) -> Option<Mot
     Some(Motion { accel_mps2, gyro_radps, temperature_c: ASSUMED_TEMPERATURE_C })
 }
 
-/// The receiver's solution that is this fix.
+/// The receiver's solution for this fix.
 pub(super) fn solution(fix: &GpsFix, counts: &mut TruthCounts) -> Option<Solution> {
     let velocities = [fix.velocity_north_mps, fix.velocity_east_mps, fix.velocity_down_mps];
     let is_finite = |value: &f32| value.is_finite();
@@ -114,13 +115,13 @@ pub(super) fn solution(fix: &GpsFix, counts: &mut TruthCounts) -> Option<Solutio
         count(&mut counts.gps_beyond_range);
     }
     Some(Solution {
-        // The flight has one altitude, above its own datum; the driver is told to take the second.
+        // The flight has one altitude, above its own datum; the driver is configured to use the second.
         ellipsoid_m: fix.altitude_m,
         mean_sea_level_m: fix.altitude_m,
         velocity_ned_mps: velocity,
         vertical_accuracy_m: fix.vertical_accuracy_m.unwrap_or(f32::INFINITY),
-        // A flight says no accuracy of its velocities: a tenth of a metre a second is the receivers'
-        // datasheets' order.
+        // A flight has no accuracy of its velocities. A tenth of a metre a second is the order that
+        // receivers' datasheets give.
         speed_accuracy_mps: if velocity_ned_mps.is_some() { 0.1 } else { f32::INFINITY },
         satellites,
         fix_type: 3,

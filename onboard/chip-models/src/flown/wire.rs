@@ -6,13 +6,13 @@ use kf_core::input::LaunchDoubt;
 use super::fault::Fault;
 use crate::line::noise_after;
 
-/// The wire: as the flight has it, unless something is wrong.
+/// The wire: it follows the flight unless it has a fault.
 #[derive(Clone, Copy, Debug)]
 pub struct ModelledWire {
     is_open: bool,
     doubt: LaunchDoubt,
     fault: Fault,
-    /// The cable that it is in is torn.
+    /// Whether the cable that contains the wire is torn.
     is_torn: bool,
     bouncing: Bouncing,
 }
@@ -37,13 +37,13 @@ impl ModelledWire {
         }
     }
 
-    /// What the flight has: whether the vehicle has left, and what stands behind that.
+    /// Sets what the flight has: whether the vehicle has left, and how far that is in doubt.
     pub const fn set(&mut self, is_open: bool, doubt: LaunchDoubt) {
         self.is_open = is_open;
         self.doubt = doubt;
     }
 
-    /// What is wrong with it from now on.
+    /// Sets the wire's fault from now on.
     pub const fn fail(&mut self, fault: Fault) {
         self.fault = fault;
         if let Fault::Bounces { seed, .. } = fault {
@@ -51,7 +51,7 @@ impl ModelledWire {
         }
     }
 
-    /// The cable that it is in tears, or is whole again.
+    /// Tears the cable that contains the wire, or makes it whole again.
     pub const fn tear(&mut self, is_torn: bool) {
         self.is_torn = is_torn;
     }
@@ -133,7 +133,7 @@ mod tests {
         wire.fail(Fault::Bounces { open_us: 40_000, closed_us: 120_000, seed: 5 });
         let read = readings(&mut wire, 2_000);
         let open = read.iter().filter(|reading| **reading == Ok(true)).count();
-        // Some 60 runs of each: the share's standard deviation is about 0.03.
+        // About 60 runs of each: the share's standard deviation is about 0.03.
         assert!((320..680).contains(&open), "{open}");
         let longest = read.chunk_by(|a, b| a == b).map(<[_]>::len).max();
         assert!(longest.is_some_and(|ticks| (30..=49).contains(&ticks)), "{longest:?}");

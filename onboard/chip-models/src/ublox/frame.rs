@@ -1,6 +1,6 @@
-//! UBX frames (interface description UBX-22008968, section 3.2): a receiver's side of them.
+//! UBX frames (interface description UBX-22008968, section 3.2) from the receiver's side.
 
-/// Longest payload that a receiver here takes.
+/// Longest payload that the modelled receiver accepts.
 const PAYLOAD_BYTES: usize = 128;
 
 /// The two checksum bytes over class, identity, length and payload (section 3.4).
@@ -21,7 +21,7 @@ impl Fletcher {
     }
 }
 
-/// What has arrived of a frame so far.
+/// The part of a frame that has arrived so far.
 #[derive(Clone, Debug)]
 pub(super) struct Incoming {
     place: usize,
@@ -33,7 +33,7 @@ pub(super) struct Incoming {
     intact: bool,
 }
 
-/// A frame that has arrived whole.
+/// A frame that has arrived completely.
 pub(super) struct Arrived {
     pub(super) class: u8,
     pub(super) id: u8,
@@ -60,8 +60,8 @@ impl Incoming {
         }
     }
 
-    /// Takes one byte; gives the frame that it completes. One with a wrong checksum is ignored, as a receiver
-    /// does.
+    /// Takes one byte. Returns the frame that it completes; a frame with a wrong checksum is ignored, as a
+    /// receiver does.
     pub(super) fn take(&mut self, byte: u8) -> Option<Arrived> {
         let place = self.place;
         self.place += 1;

@@ -15,10 +15,10 @@ use crate::disturbance::Disturbance;
 use crate::line::Line;
 use crate::source::Source;
 
-/// From power to the first byte, microseconds.
+/// Time from power-on to the first byte, microseconds.
 const BOOT_US: u64 = 500_000;
-/// What a receiver that nobody has configured says at each epoch (interface description, section 2.7: GGA,
-/// GLL, GSA, GSV, RMC and VTG are on), with 16 satellites of two systems: 646 bytes.
+/// Output of an unconfigured receiver at each epoch (interface description, section 2.7: GGA, GLL, GSA, GSV,
+/// RMC and VTG are on), with 16 satellites of two systems: 646 bytes.
 const NMEA: [&[u8]; 11] = [
     b"$GNRMC,092725.00,A,4717.11399,N,00833.91590,E,0.004,77.52,091202,,,A*4A\r\n",
     b"$GNVTG,77.52,T,,M,0.004,N,0.008,K,A*18\r\n",
@@ -32,9 +32,9 @@ const NMEA: [&[u8]; 11] = [
     b"$GLGSV,2,2,06,82,53,246,43,88,11,177,35*6F\r\n",
     b"$GNGLL,4717.11399,N,00833.91590,E,092725.00,A,A*76\r\n",
 ];
-/// Longest span that is gone through epoch by epoch, microseconds.
+/// Longest span that is simulated epoch by epoch, microseconds.
 const LONGEST_SPAN_US: u64 = 10_000_000;
-/// Solutions that wait for their latency to pass.
+/// Number of solutions that can wait for their latency to pass.
 const WAITING: usize = 16;
 /// A week, ms.
 const WEEK_MS: u64 = 604_800_000;
@@ -48,9 +48,9 @@ pub struct Solution {
     pub mean_sea_level_m: f32,
     /// North, east, down, m/s.
     pub velocity_ned_mps: [f32; 3],
-    /// Vertical accuracy, metres; one that is not known is `f32::INFINITY`.
+    /// Vertical accuracy, metres; `f32::INFINITY` if not known.
     pub vertical_accuracy_m: f32,
-    /// Accuracy of the velocity, m/s; one that is not known is `f32::INFINITY`.
+    /// Accuracy of the velocity, m/s; `f32::INFINITY` if not known.
     pub speed_accuracy_mps: f32,
     /// Satellites used.
     pub satellites: u8,
@@ -58,27 +58,27 @@ pub struct Solution {
     pub fix_type: u8,
 }
 
-/// What is wrong with the receiver at present; its line has faults of its own.
+/// Present faults of the receiver. Its line has faults of its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Faults {
     /// The receiver refuses every configuration message.
     pub refuses: bool,
-    /// The receiver obeys and does not acknowledge.
+    /// The receiver obeys but does not acknowledge.
     pub silent: bool,
-    /// It has no fix: its solutions say so.
+    /// It has no fix, and its solutions report that.
     pub no_fix: bool,
-    /// It repeats its last solution with the time of that one, not of now.
+    /// It repeats its last solution, with the time of that solution.
     pub held: bool,
 }
 
 /// A receiver that has started cold: its altitude is wrong at first, and the error decays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ColdStart {
-    /// What is left of the error, metres.
+    /// Remaining error, metres.
     pub error_m: f32,
-    /// Its time constant, seconds.
+    /// Time constant of the decay, seconds.
     pub decay_s: f32,
-    /// Whether the receiver's estimate of its accuracy knows of it.
+    /// Whether the receiver's accuracy estimate includes the error.
     pub is_honest: bool,
 }
 
@@ -88,37 +88,36 @@ struct Settings {
     ubx: bool,
     nmea: bool,
     period_us: u64,
-    /// Speed that it was told; `None`: the line's, which is stored in it.
+    /// Configured speed; `None`: the line's, which is stored in the receiver.
     baud: Option<u32>,
 }
 
 /// NMEA once a second, no solutions by UBX.
 const DEFAULT: Settings =
     Settings { solutions: false, ubx: true, nmea: true, period_us: 1_000_000, baud: None };
-/// Settings that [`ReceiverModel::flip_setting`] knows.
+/// Number of settings that [`ReceiverModel::flip_setting`] can flip.
 const SETTINGS: u8 = 3;
 
 /// The receiver and its line.
 #[derive(Clone, Debug)]
 pub struct ReceiverModel<Surroundings> {
-    /// Its solutions, sampled at the navigation epochs; `None`: there is nothing new at this one.
+    /// Its solutions, sampled at the navigation epochs; `None` if this epoch has no new one.
     pub solutions: Surroundings,
-    /// What is wrong at present.
+    /// Present faults.
     pub faults: Faults,
-    /// What is wrong with its solutions: altitude (bits of its millimetres), and the velocity north, east,
-    /// down.
+    /// Errors of its solutions: altitude (bits of its millimetres), and the velocity north, east, down.
     pub disturbance: Disturbance,
-    /// It has started cold.
+    /// The error of a cold start, if any.
     pub cold_start: Option<ColdStart>,
     /// Its line to the flight computer.
     pub line: Line,
-    /// From the epoch of a solution to its first byte, microseconds.
+    /// Time from the epoch of a solution to its first byte, microseconds.
     pub latency_us: u64,
     /// Time of week at time 0, ms.
     pub time_of_week_ms: u64,
-    /// Solutions of [`Self::solve`] that nobody was told of: not configured to, or too many at a time.
+    /// Solutions of [`Self::solve`] that were not sent: not configured to, or too many at a time.
     pub untold_solutions: u32,
-    /// Epochs that were left out of a long span without the time being set.
+    /// Epochs that were skipped in a long span without the time being set.
     pub skipped_epochs: u32,
     /// The last solution that it sent, and its epoch.
     last: Option<(u64, Solution)>,
@@ -131,11 +130,11 @@ pub struct ReceiverModel<Surroundings> {
     incoming: Incoming,
 }
 
-/// Time of week at time 0, ms, of a receiver that nobody has set another for.
+/// Default time of week at time 0, ms.
 pub const TIME_OF_WEEK_MS: u64 = 200_000_000;
 
 impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
-    /// A receiver of generation 8, or of 9 and later, that has just got power, at a line speed in baud.
+    /// A receiver of generation 8, or of 9 and later, just powered on, at a line speed in baud.
     pub const fn new(generation: u8, baud: u32, solutions: Surroundings) -> Self {
         Self {
             solutions,
@@ -158,8 +157,9 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         }
     }
 
-    /// Lets time pass: the receiver computes, the line carries. Microseconds, never backward. Of more than
-    /// `LONGEST_SPAN_US` at once only the end is gone through: nobody has read the line meanwhile.
+    /// Lets time pass up to `now_us`, microseconds, which never goes backward: the receiver computes and the
+    /// line carries. Of a span longer than `LONGEST_SPAN_US` only the end is simulated, because nothing read
+    /// the line meanwhile.
     pub fn set_time(&mut self, now_us: u64) {
         self.now_us = now_us;
         if let Some(beyond_us) = now_us.saturating_sub(self.epoch_us).checked_sub(LONGEST_SPAN_US) {
@@ -189,8 +189,8 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         self.line.carry_until(now_us);
     }
 
-    /// A navigation epoch now, beside those of the receiver's own raster: for a flight that is replayed fix
-    /// by fix.
+    /// Adds a navigation epoch now, beside those of the receiver's own raster, for replaying a flight fix by
+    /// fix.
     pub fn solve(&mut self, solution: Solution) {
         let told = self.settings.solutions
             && self.now_us >= self.booted_us
@@ -200,14 +200,14 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         }
     }
 
-    /// It gets its power now, microseconds, not at time 0.
+    /// Powers it on now, microseconds, instead of at time 0.
     pub fn power_on(&mut self, now_us: u64) {
         self.now_us = now_us;
         self.power_dip();
         self.line.carry_until(now_us);
     }
 
-    /// Power dips: what it was told is forgotten, what was on the line is lost.
+    /// Models a dip of its power: its configuration and what was on the line are lost.
     pub fn power_dip(&mut self) {
         self.settings = DEFAULT;
         self.last = None;
@@ -218,15 +218,15 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         self.epoch_us = self.booted_us;
     }
 
-    /// It is one of that generation from now on, its line of that speed in baud; it has just got its power.
+    /// Replaces it by one of that generation, with a line of that speed in baud, just powered on.
     pub fn exchange_for(&mut self, generation: u8, baud: u32) {
         self.generation = generation;
         self.line.set_baud(baud);
         self.power_dip();
     }
 
-    /// One of its settings flips: 0 whether it sends solutions, 1 whether it sends NMEA, 2 whether its rate
-    /// is what it was told or once a second. Whether there is such a one.
+    /// Flips one of its settings: 0 whether it sends solutions, 1 whether it sends NMEA, 2 its rate, from the
+    /// configured one to once a second. Returns whether there is such a setting.
     pub fn flip_setting(&mut self, setting: u8) -> bool {
         match setting {
             0 => self.settings.solutions = !self.settings.solutions,
@@ -237,7 +237,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         setting < SETTINGS
     }
 
-    /// What a receiver says by default. A sentence that finds no room is dropped, as every message is.
+    /// Sends the default sentences. A sentence that finds no room is dropped, as every message is.
     fn send_sentences(&mut self) {
         for sentence in NMEA {
             if self.is_at_the_lines_speed() && self.line.has_room(sentence.len()) {
@@ -246,7 +246,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         }
     }
 
-    /// What goes over the line at another speed than the board's arrives nowhere.
+    /// Bytes at another speed than the board's are lost.
     fn is_at_the_lines_speed(&self) -> bool {
         self.settings.baud.is_none_or(|baud| baud == self.line.baud())
     }
@@ -256,7 +256,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         bytes.iter().for_each(|&byte| self.line.send(byte));
     }
 
-    /// Whether it could.
+    /// Sends a message. Returns whether it could.
     fn send(&mut self, class: u8, id: u8, payload: &[u8]) -> bool {
         if !self.settings.ubx || !self.is_at_the_lines_speed() || !self.line.has_room(payload.len() + 8) {
             return false;
@@ -272,7 +272,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         true
     }
 
-    /// A solution with what is wrong with the receiver, and its epoch.
+    /// A solution with the receiver's faults, and its epoch.
     fn disturbed(&mut self, epoch_us: u64, mut solution: Solution) -> (u64, Solution) {
         if let Some((last_us, last)) = self.last
             && (self.faults.held || self.disturbance.frozen)
@@ -301,7 +301,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         (epoch_us, solution)
     }
 
-    /// NAV-PVT (section 3.15.11): what is not modelled is 0.
+    /// Sends NAV-PVT (section 3.15.11). Fields that are not modelled are 0.
     fn send_solution(&mut self, epoch_us: u64, solution: Solution) {
         let (epoch_us, solution) = self.disturbed(epoch_us, solution);
         let flipped = self.disturbance.flipped(0).cast_signed();
@@ -333,7 +333,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
         }
     }
 
-    /// Whether this receiver knows the message and could follow it.
+    /// Applies a configuration message. Returns whether this receiver knows it and could apply it.
     fn configure(&mut self, id: u8, payload: &[u8]) -> bool {
         let mut settings = self.settings;
         let known = match (id, payload) {
@@ -358,7 +358,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
     }
 }
 
-/// CFG-VALSET's pairs of key and value; the size of a value is in its key (section 4.2).
+/// Applies CFG-VALSET's pairs of key and value. The size of a value is in its key (section 4.2).
 fn set_keys(settings: &mut Settings, mut keys: &[u8]) -> bool {
     while let [a, b, c, d, rest @ ..] = keys {
         let key = u32::from_le_bytes([*a, *b, *c, *d]);
@@ -395,7 +395,7 @@ fn set_keys(settings: &mut Settings, mut keys: &[u8]) -> bool {
     keys.is_empty()
 }
 
-/// CFG-PRT of the first UART (receiver description, section 32.10.25): its speed, and what it sends.
+/// Applies CFG-PRT of the first UART (receiver description, section 32.10.25): its speed, and its output.
 fn set_port(settings: &mut Settings, payload: &[u8]) -> bool {
     let &[port, _, _, _, _, _, _, _, b0, b1, b2, b3, _, _, protocols, _, _, _, _, _] = payload else {
         return false;
@@ -406,13 +406,13 @@ fn set_port(settings: &mut Settings, payload: &[u8]) -> bool {
     port == 1
 }
 
-/// 25 ms is the fastest that any receiver of these generations takes.
+/// Sets the period. 25 ms is the shortest that any receiver of these generations accepts.
 fn set_period(settings: &mut Settings, period_ms: [u8; 2]) -> bool {
     settings.period_us = u64::from(u16::from_le_bytes(period_ms)) * 1_000;
     settings.period_us >= 25_000
 }
 
-/// Metres to millimetres, to the nearest; all ones for what is beyond 32 bits, as a receiver says "not
+/// Metres to millimetres, to the nearest; all ones for values beyond 32 bits, which a receiver sends for "not
 /// known".
 fn accuracy(value: f32) -> u32 {
     // A cast of a float saturates.

@@ -1,5 +1,5 @@
 //! A driver on its chip's model, polled tick by tick.
-// Every test file uses a part of this.
+// Every test file uses only a part of this.
 #![allow(dead_code, clippy::panic, clippy::unwrap_used)]
 
 use std::fmt::Debug;
@@ -14,9 +14,9 @@ pub const TICK_US: u64 = 5_000;
 pub trait Driver {
     /// Its chip's model.
     type Chip: SpiChip;
-    /// What it delivers.
+    /// The sample that it delivers.
     type Sample: Copy + Debug;
-    /// Bytes that one poll may move.
+    /// Largest number of bytes that one poll may move.
     const MAX_POLL_BYTES: usize;
 
     fn bus(&mut self) -> &mut ChipOnBus<Self::Chip>;
@@ -26,18 +26,18 @@ pub trait Driver {
 /// The driver, its chip and the time.
 pub struct Bench<Of> {
     pub driver: Of,
-    /// Bytes that the largest poll so far has moved.
+    /// Bytes moved by the largest poll so far.
     pub most_moved: usize,
     now_us: u64,
 }
 
 impl<Of: Driver> Bench<Of> {
-    /// At that time, before the first poll.
+    /// A bench at that time, before the first poll.
     pub fn at(now_us: u64, driver: Of) -> Self {
         Self { driver, most_moved: 0, now_us }
     }
 
-    /// One tick: every poll keeps to its bytes.
+    /// One tick. Checks that the poll moves no more than its bytes.
     pub fn poll(&mut self) -> Result<Option<Of::Sample>, SensorError> {
         self.now_us += TICK_US;
         self.driver.bus().set_time(self.now_us);
@@ -49,7 +49,7 @@ impl<Of: Driver> Bench<Of> {
         outcome
     }
 
-    /// The first sample or error within so many ticks.
+    /// The first sample or error within this many ticks.
     pub fn next(&mut self, ticks: u32) -> Result<Of::Sample, SensorError> {
         for _ in 0..ticks {
             if let Some(sample) = self.poll()? {
@@ -59,12 +59,12 @@ impl<Of: Driver> Bench<Of> {
         panic!("neither a sample nor an error in {ticks} ticks")
     }
 
-    /// The first error within so many ticks.
+    /// The first error within this many ticks.
     pub fn next_error(&mut self, ticks: u32) -> SensorError {
         (0..ticks).find_map(|_| self.poll().err()).unwrap()
     }
 
-    /// Sound wires again, and a quarter of a second, whatever errors come in it.
+    /// Repairs the wires and runs for a quarter of a second, ignoring errors.
     pub fn mend(&mut self) {
         self.driver.bus().fault = None;
         for _ in 0..50 {

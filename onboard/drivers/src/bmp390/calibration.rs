@@ -1,8 +1,8 @@
-//! The trimming coefficients, and raw data to pressure and temperature (BST-BMP390-DS002, revision 1.7,
-//! section 8).
+//! The trimming coefficients, and the conversion of raw data to pressure and temperature (BST-BMP390-DS002,
+//! revision 1.7, section 8).
 //!
-//! The datasheet gives the formulas in floating point; in single precision they lose more than the chip
-//! resolves (0.016 Pa). Here they are evaluated in 64-bit integers, in Horner's form; every sum and product
+//! The datasheet gives the formulas in floating point; in single precision they lose more than the chip's
+//! resolution (0.016 Pa). Here they are evaluated in 64-bit integers, in Horner's form. Every sum and product
 //! fits for every coefficient and every raw value.
 
 use crc::{CRC_8_SAE_J1850, Crc};
@@ -38,7 +38,7 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// From the registers 0x30 to 0x45.
+    /// Reads the registers 0x30 to 0x45.
     ///
     /// # Errors
     /// [`SensorError::Check`] for a wrong CRC.
@@ -136,12 +136,12 @@ pub(super) mod tests {
     const PUBLISHED_T: [i64; 3] = [27_427, 18_776, -10];
     const PUBLISHED_P: [i64; 11] = [-164, -2_866, 35, 0, 25_578, 31_086, -13, -10, 17_322, 18, -60];
 
-    /// The same as registers.
+    /// The same coefficients as registers.
     pub(in super::super) fn registers() -> [u8; BYTES] {
         registers_of(PUBLISHED_P)
     }
 
-    /// Registers of a chip with these coefficients of pressure.
+    /// Registers of a chip with these pressure coefficients.
     fn registers_of(p: [i64; 11]) -> [u8; BYTES] {
         let mut registers = [0; BYTES];
         let widths = [2, 2, 1, 2, 2, 1, 1, 2, 2, 1, 1, 2, 1, 1];
@@ -158,7 +158,7 @@ pub(super) mod tests {
         Calibration::new(registers()).unwrap()
     }
 
-    /// Sections 8.4 to 8.6 in double precision.
+    /// Sections 8.4 to 8.6 as printed, in double precision.
     fn as_printed(p: [i64; 11], raw_p: f64, raw_t: f64) -> (f64, f64) {
         let [t1, t2, t3] = PUBLISHED_T.map(|value| value as f64);
         let [p1, p2, p3, p4, p5, p6, p7, p8, p9, p10, p11] = p.map(|value| value as f64);
@@ -195,7 +195,7 @@ pub(super) mod tests {
         assert!((f64::from(found.temperature_c) - temperature).abs() < 3e-6, "{found:?}");
     }
 
-    /// The published chip, whose P4 is 0, and what it would be with the largest P4 of either sign.
+    /// The published chip, whose P4 is 0, and the same chip with the largest P4 of either sign.
     #[test]
     fn agrees_with_the_printed_formulas_over_the_range() {
         for p4 in [0, 127, -128] {

@@ -1,14 +1,14 @@
-//! BMP390 barometer on SPI (Bosch BST-BMP390-DS002, revision 1.7; section numbers are its).
+//! BMP390 barometer on SPI (Bosch BST-BMP390-DS002, revision 1.7; section numbers refer to it).
 //!
 //! # Timing
-//! The chip converts on its own, 50 times a second, 8-fold oversampled, its filter off. A poll reads errors,
-//! status, data and events in one burst of 17 bytes; every eighth sample reads the configuration back as well
-//! ([`MAX_POLL_BYTES`]).
+//! The chip converts on its own, 50 times a second, with 8-fold oversampling and its filter off. A poll reads
+//! errors, status, data and events in one burst of 17 bytes. Every eighth sample also reads the configuration
+//! back ([`MAX_POLL_BYTES`]).
 //!
 //! # Errors
-//! A configuration that reads back wrong is read again: a bit that flipped on the way costs nothing but a
-//! count. After any other error the driver waits [`BACK_OFF_US`], resets the chip and reads its coefficients
-//! anew; after a reset in flight it does so at once.
+//! A configuration that reads back wrong is read again: a bit that flipped on the way is only counted. After
+//! any other error the driver waits [`BACK_OFF_US`], resets the chip and reads its coefficients again. After
+//! a reset in flight it does so at once.
 
 mod calibration;
 
@@ -23,18 +23,18 @@ use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::{Barometer, BarometerSample};
 
-/// Bytes that one poll moves at most: a sample, and the configuration twice.
+/// Largest number of bytes that one poll moves: a sample, and the configuration twice.
 pub const MAX_POLL_BYTES: usize = 2 + BURST + 2 * (2 + CONFIGURED);
 /// Wait after an error before the chip is reset, microseconds.
 pub const BACK_OFF_US: u64 = 20_000;
-/// The chip is stale when it has made no sample for so long, microseconds: 5 of its periods.
+/// Time without a sample after which the chip is stale, microseconds: 5 of its periods.
 pub const STALE_AFTER_US: u64 = 100_000;
 
-/// From a reset to the first command, microseconds (section 1, "Start-up time": 2 ms).
+/// Time from a reset to the first command, microseconds (section 1, "Start-up time": 2 ms).
 const RESET_US: u64 = 2_000;
 /// Samples from one check of the configuration to the next.
 const VERIFY_EVERY: u8 = 8;
-/// What a data register holds before the first conversion (section 4.3.5).
+/// Content of a data register before the first conversion (section 4.3.5).
 const NO_DATA: u32 = 0x80_0000;
 
 const READ: u8 = 0x80;
@@ -51,12 +51,12 @@ const PRESSURE_READY: u8 = 0x20;
 /// EVENT: a reset; cleared by reading (section 4.3.8).
 const POWER_ON: u8 = 0x01;
 
-/// From ERR_REG to EVENT.
+/// Bytes from ERR_REG to EVENT.
 const BURST: usize = 15;
-/// From PWR_CTRL to CONFIG.
+/// Bytes from PWR_CTRL to CONFIG.
 const CONFIGURED: usize = 5;
 
-/// Oversampling 8 and 1; 50 Hz; no filter; and then both sensors on, in normal mode (sections 3.4.4, 4.3.16
+/// Oversampling 8 and 1; 50 Hz; no filter; and last, both sensors on in normal mode (sections 3.4.4, 4.3.16
 /// to 4.3.20).
 const CONFIGURATION: [(u8, u8); 4] = [(0x1C, 0x03), (0x1D, 0x02), (0x1F, 0x00), (PWR_CTRL, 0x33)];
 
@@ -89,7 +89,7 @@ impl<Spi: SpiDevice> Bmp390<Spi> {
         self.health
     }
 
-    /// The bus, for a test or a board that has to speak to the chip's model.
+    /// The bus, for a test or a board that accesses the chip's model.
     pub const fn bus_mut(&mut self) -> &mut Spi {
         &mut self.spi
     }
@@ -98,11 +98,11 @@ impl<Spi: SpiDevice> Bmp390<Spi> {
         bus::write(&mut self.spi, &[register, value])
     }
 
-    /// Reads consecutive registers; the chip sends a byte of nothing first (section 5.3.2).
+    /// Reads consecutive registers; the chip sends a dummy byte first (section 5.3.2).
     ///
     /// # Errors
-    /// [`SensorError::Bus`]; [`SensorError::StuckBus`] when the line did not move: no register block that is
-    /// read here is ever all zeros or all ones.
+    /// [`SensorError::Bus`]; [`SensorError::StuckBus`] when the line did not move: no register block read
+    /// here is ever all zeros or all ones.
     fn read<const COUNT: usize>(&mut self, first: u8) -> Result<[u8; COUNT], SensorError> {
         let values = bus::read::<COUNT>(&mut self.spi, &[READ | first, 0])?;
         if bus::is_stuck(&values) { Err(SensorError::StuckBus) } else { Ok(values) }
@@ -134,7 +134,7 @@ impl<Spi: SpiDevice> Bmp390<Spi> {
                     }
                     None => {
                         self.verify()?;
-                        // The reset that this driver made is not one in flight.
+                        // The driver's own reset is not a reset in flight.
                         self.read::<BURST>(ERR_REG)?;
                         Phase::Running {
                             calibration,
@@ -176,7 +176,7 @@ impl<Spi: SpiDevice> Bmp390<Spi> {
         now_us: u64,
     ) -> Result<Option<BarometerSample>, SensorError> {
         let [error, status, p0, p1, p2, t0, t1, t2, .., event] = self.read::<BURST>(ERR_REG)?;
-        // A configuration or fatal error of the chip's own (section 4.3.3) is cured by the same reset.
+        // The same reset cures the chip's own configuration or fatal error (section 4.3.3).
         if event & POWER_ON != 0 || error != 0 {
             return Err(SensorError::ConfigurationLost);
         }

@@ -1,19 +1,20 @@
-//! ICM-42688-P inertial unit on SPI (TDK InvenSense DS-000347, revision 1.6; section numbers are its).
+//! ICM-42688-P inertial unit on SPI (TDK InvenSense DS-000347, revision 1.6; section numbers refer to it).
 //!
 //! # Timing
-//! One poll is two bursts: temperature, specific force, rate and the interrupt status; and the configuration
-//! that the chip had for them, so that none is taken that was made with another ([`MAX_POLL_BYTES`]). The
-//! chip samples at 1 kHz, so a 200 Hz tick always finds a new sample; the flag that says so is read with it.
-//! Vibration is kept out by the chip's own filter (`registers.rs` has the numbers): the mean of its FIFO
+//! One poll is two bursts. The first reads temperature, specific force, rate and the interrupt status; the
+//! second the chip's configuration, so that no sample made with a wrong one is used ([`MAX_POLL_BYTES`]). The
+//! chip samples at 1 kHz, so a 200 Hz tick always finds a new sample; the flag for it is read in the same
+//! burst. The chip's own filter keeps vibration out (`registers.rs` has the numbers): averaging its FIFO
 //! would take 80 bytes more a tick.
 //!
 //! # Errors
-//! A configuration that reads back wrong is read again: a bit that flipped on the way costs nothing but a
-//! count. One that is wrong twice is wrong in the chip: what differs is written again, which costs that
-//! poll's sample (45 ms, if it had switched the sensors off). The driver resets the chip, and configures it
-//! anew, when it says that it was reset, when it makes no samples, and after [`GIVE_UP_AFTER`] polls in a row
-//! without a right answer: that takes [`BACK_OFF_US`] at most, and 20 polls. [`SensorError::Saturated`] loses
-//! a sample and no more. The chip sends no check of its data: a bit that flips on the way in a sample passes.
+//! A configuration that reads back wrong is read again: a bit that flipped on the way is only counted. If it
+//! is wrong twice, it is wrong in the chip: the differing registers are written again, which costs that
+//! poll's sample (45 ms, if the sensors were switched off). The driver resets and configures the chip again
+//! when the chip reports a reset, when it makes no samples, and after [`GIVE_UP_AFTER`] polls in a row
+//! without a right answer. That takes at most [`BACK_OFF_US`] and 20 polls. [`SensorError::Saturated`] costs
+//! only its sample. The chip sends no check of its data: a bit of a sample that flips on the way is not
+//! detected.
 
 mod mounting;
 mod registers;
@@ -30,34 +31,35 @@ use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::InertialUnit;
 
-/// Bytes that one poll moves at most: a sample, the configuration twice, and each of its registers written.
+/// Largest number of bytes that one poll moves: a sample, the configuration twice, and a write of each of its
+/// registers.
 pub const MAX_POLL_BYTES: usize = 1 + BURST + 2 * (1 + CONFIGURED) + 2 * CONFIGURED;
-/// So many polls in a row without a right answer, and the chip is reset: 200 ms. A reset costs 120 ms more,
-/// and mends no wire.
+/// Polls in a row without a right answer after which the chip is reset: 200 ms. A reset costs 120 ms more,
+/// and repairs no wire.
 pub const GIVE_UP_AFTER: u8 = 40;
 /// Wait after an error before the chip is reset, microseconds.
 pub const BACK_OFF_US: u64 = 10_000;
-/// The chip is stale when it has made no sample for so long, microseconds: 20 of its periods.
+/// Time without a sample after which the chip is stale, microseconds: 20 of its periods.
 pub const STALE_AFTER_US: u64 = 20_000;
 
-/// After a software reset, microseconds (14.1: "1 ms").
+/// Duration of a software reset, microseconds (14.1: "1 ms").
 const RESET_US: u64 = 1_000;
-/// Until the gyro has started, microseconds (14.36: "at least 45 ms").
+/// Time until the gyro has started, microseconds (14.36: "at least 45 ms").
 const START_US: u64 = 45_000;
-/// From the temperature to the interrupt status: 2 + 6 + 6 bytes of data, 2 of timestamp, 1 of status.
+/// Bytes from the temperature to the interrupt status: 2 + 6 + 6 of data, 2 of timestamp, 1 of status.
 const BURST: usize = 17;
-/// Counts a degree, and the temperature at 0 counts (4.13).
+/// Counts per degree, and the temperature at 0 counts (4.13).
 const COUNTS_PER_DEGREE: f32 = 132.48;
 const DEGREES_AT_ZERO: f32 = 25.0;
 
-/// Ranges, and how the chip sits in the vehicle.
+/// Ranges, and orientation of the chip in the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// Full scale of the accelerometer.
     pub accel_range: AccelRange,
     /// Full scale of the gyro.
     pub gyro_range: GyroRange,
-    /// The chip's axes in the body's.
+    /// Orientation of the chip's axes in the body.
     pub mounting: Mounting,
 }
 
@@ -77,7 +79,7 @@ enum Phase {
     Starting {
         until_us: u64,
     },
-    /// `failures`: polls without a right answer since the last one.
+    /// `failures`: polls since the last right answer.
     Running {
         last_sample_us: u64,
         failures: u8,
@@ -110,7 +112,7 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
         self.temperature_c
     }
 
-    /// The bus, for a test or a board that has to speak to the chip's model.
+    /// The bus, for a test or a board that accesses the chip's model.
     pub const fn bus_mut(&mut self) -> &mut Spi {
         &mut self.spi
     }
@@ -166,25 +168,25 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
         Ok(None)
     }
 
-    /// Who answers; and its status is read, which clears the flag of the reset just made.
+    /// Checks the identity. Then reads the status, which clears the flag of the reset just made.
     fn identify(&mut self) -> Result<(), SensorError> {
         match self.read::<1>(registers::WHO_AM_I)? {
             [registers::IDENTITY] => {}
             [0x00 | 0xFF] => return Err(SensorError::StuckBus),
             _ => return Err(SensorError::WrongDevice),
         }
-        // A reset that did not happen leaves the old configuration in what this driver does not write.
+        // If the reset did not happen, registers that this driver does not write keep their old values.
         match self.read::<1>(registers::INT_STATUS)? {
             [status] if status & registers::RESET_DONE != 0 => Ok(()),
             _ => Err(SensorError::Timeout),
         }
     }
 
-    /// How it goes on after an error.
+    /// The phase after an error.
     fn after(&mut self, error: SensorError, now_us: u64) -> Phase {
         match (self.phase, error) {
-            // No answer, or a wrong one: the chip has most likely nothing to do with it. But that it shows
-            // another bank, where nothing is.
+            // No answer, or a wrong one: most likely not the chip's fault, unless it has another bank
+            // selected, which is empty.
             (
                 Phase::Running { last_sample_us, failures },
                 SensorError::Bus | SensorError::StuckBus | SensorError::ConfigurationLost,
@@ -194,7 +196,7 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
                 }
                 Phase::Running { last_sample_us, failures: failures + 1 }
             }
-            // What was mended has to start.
+            // Sensors that were written again have to start.
             (starting @ Phase::Starting { .. }, _) => starting,
             // The chip is there and needs its configuration now.
             (_, SensorError::ConfigurationLost) => Phase::Reset,
@@ -202,7 +204,7 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
         }
     }
 
-    /// Writes one register of the configuration, by its place.
+    /// Writes one register of the configuration, by its index.
     fn configure(&mut self, place: usize) -> Result<(), SensorError> {
         match (registers::INTF_CONFIG0..).zip(registers::configuration(&self.config)).nth(place) {
             Some((register, value)) => self.write(register, value),
@@ -210,8 +212,8 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
         }
     }
 
-    /// What the chip holds in the place of its configuration; `None`: it holds that. One answer that is wrong
-    /// is none: it is asked again.
+    /// The registers that the chip holds instead of its configuration; `None` if they are right. One wrong
+    /// answer does not count: they are read again.
     fn wrong_configuration(&mut self) -> Result<Option<[u8; CONFIGURED]>, SensorError> {
         let wanted = registers::configuration(&self.config);
         let mut held = self.read(registers::INTF_CONFIG0)?;
@@ -222,7 +224,7 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
         Ok((held != wanted).then_some(held))
     }
 
-    /// Writes what differs. A chip whose sensors were off has to start them.
+    /// Writes the registers that differ. If sensors were off, they have to start.
     fn mend(&mut self, held: [u8; CONFIGURED], now_us: u64) -> Result<(), SensorError> {
         let wanted = registers::configuration(&self.config);
         for place in registers::ORDER.map(usize::from) {
@@ -243,7 +245,7 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
         let burst = self.read::<BURST>(registers::TEMP_DATA1)?;
         let [t1, t0, data @ .., _, _, status] = burst;
         let says_reset = status & registers::RESET_DONE != 0;
-        // A chip that was reset holds none of its configuration: one that holds all of it was not.
+        // A reset chip holds none of its configuration, so a chip that holds all of it was not reset.
         if let Some(held) = self.wrong_configuration()? {
             if says_reset || !Guard::ReadBackAgain.stands() {
                 self.phase = Phase::Reset;
@@ -258,7 +260,8 @@ impl<Spi: SpiDevice> Icm42688p<Spi> {
         let [ax1, ax0, ay1, ay0, az1, az0, gx1, gx0, gy1, gy0, gz1, gz0] = data;
         let counts =
             [[ax1, ax0], [ay1, ay0], [az1, az0], [gx1, gx0], [gy1, gy0], [gz1, gz0]].map(i16::from_be_bytes);
-        // Every data register resets to -32768 (14.6 to 14.19): no sample has been made.
+        // Every data register resets to -32768 (14.6 to 14.19), so this value means that no sample has been
+        // made.
         let fresh = status & registers::DATA_READY != 0 && counts != [i16::MIN; 6];
         if !fresh {
             self.phase = Phase::Running { last_sample_us, failures: 0 };

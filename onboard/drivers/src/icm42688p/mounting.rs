@@ -1,4 +1,4 @@
-//! How the chip sits in the vehicle, and what its ranges are.
+//! Orientation of the chip in the vehicle, and its ranges.
 
 /// An axis of the chip (DS-000347, section 12, "Orientation of axes").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub enum ChipAxis {
     MinusZ,
 }
 
-/// Which axis of the chip points along each axis of the body (forward-right-down).
+/// The axes of the chip that point along the axes of the body (forward-right-down).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mounting {
     /// The chip's axis that points forward.
@@ -62,7 +62,7 @@ impl AccelRange {
         }
     }
 
-    /// m/s^2 a count: full scale is 2^15 counts; g is standard gravity.
+    /// m/s^2 per count: full scale is 2^15 counts; g is standard gravity.
     #[must_use]
     pub const fn mps2_per_count(self) -> f32 {
         let full_scale_g = match self {
@@ -96,7 +96,7 @@ impl GyroRange {
         }
     }
 
-    /// rad/s a count: full scale is 2^15 counts. (Table 1 rounds 16.384 counts for a degree a second to
+    /// rad/s per count: full scale is 2^15 counts. (Table 1 rounds 16.384 counts per degree a second to
     /// 16.4.)
     #[must_use]
     pub const fn radps_per_count(self) -> f32 {

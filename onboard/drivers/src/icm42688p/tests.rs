@@ -30,7 +30,7 @@ fn until_running(sample: &[u8]) -> Vec<Transaction<u8>> {
     .concat()
 }
 
-/// The registers from 0x4C on as they are configured.
+/// The configured registers from 0x4C on.
 const HELD: [u8; 8] = [0x33, 0x51, 0x0F, 0x26, 0x26, 0x1A, 0x77, 0x15];
 
 /// Temperature 0x0258, then six values, a timestamp and the status.
@@ -82,7 +82,7 @@ fn a_register_that_does_not_hold_is_found() {
     assert_eq!(first_outcome_of(&expected, 14), Err(SensorError::ConfigurationLost));
 }
 
-/// A bit that flipped on the way is asked for again; one that the chip holds is written, and nothing else is.
+/// A bit that flipped on the way is read again; one that the chip holds is written, and nothing else is.
 #[test]
 fn what_differs_is_asked_again_and_written() {
     let flipped = [0x33, 0x51, 0x0F, 0x26, 0x06, 0x1A, 0x77, 0x55];

@@ -1,8 +1,8 @@
-//! Raw conversions to pressure and temperature (datasheet, figures 2 and 3).
+//! Converts raw data to pressure and temperature (datasheet, figures 2 and 3).
 //!
-//! In 64-bit integers, as the datasheet does it, but without its roundings: it shifts every intermediate
-//! down to a hundredth of a degree and to one pascal; here each keeps its fraction. Every product below
-//! fits for every calibration and every conversion: bounds are in the comments.
+//! Computed in 64-bit integers like the datasheet, but without its roundings: the datasheet shifts every
+//! intermediate down to a hundredth of a degree and to one pascal; here each keeps its fraction. Every
+//! product below fits for every calibration and every conversion: bounds are in the comments.
 
 use super::Prom;
 use crate::error::SensorError;
@@ -31,7 +31,7 @@ impl Prom {
         let dt = i64::from(d2) - (c5 << 8);
         // Degrees below or above 20, in hundredths times 2^23: |dt| < 2^25, c6 < 2^16.
         let above_20_q23 = dt * c6;
-        // The second order only cools, so this refuses nothing that the check after it would take; it bounds
+        // The second order only cools, so this rejects nothing that the later check would accept; it bounds
         // the squares.
         if !TEMPERATURE_RANGE.contains(&(2_000 + (above_20_q23 >> 23))) {
             return Err(SensorError::OutOfRange);
@@ -83,8 +83,8 @@ mod tests {
         Prom::new(EXAMPLE).unwrap().compensate(d1, d2)
     }
 
-    /// The datasheet's arithmetic, shifts and all: hundredths of a degree, pascals. It cuts TEMP to a
-    /// hundredth; `cut` is what to add to that before the squares.
+    /// The datasheet's arithmetic with its shifts: hundredths of a degree, pascals. It truncates TEMP to a
+    /// hundredth; `cut` is added to that before the squares.
     fn as_printed(d1: i64, d2: i64, cut: i64) -> (i64, i64) {
         let [c1, c2, c3, c4, c5, c6] = [40_127i64, 36_924, 23_317, 23_282, 33_464, 28_312];
         let dt = d2 - (c5 << 8);
@@ -107,7 +107,7 @@ mod tests {
         (temp, (((d1 * sens) >> 21) - off) >> 15)
     }
 
-    /// Ours lies between what the printed arithmetic makes of TEMP cut down and rounded up.
+    /// The result lies between those of the printed arithmetic with TEMP truncated and with TEMP rounded up.
     fn assert_as_printed(d1: u32, d2: u32, found: Compensated) {
         let [(low_t, at_low), (_, at_high)] = [0, 1].map(|cut| as_printed(i64::from(d1), i64::from(d2), cut));
         let pressures = (at_low.min(at_high) - 1) as f32..=(at_low.max(at_high) + 1) as f32;
@@ -119,8 +119,8 @@ mod tests {
         );
     }
 
-    /// The datasheet's example (figure 2), and two colder ones that Cleanflight's and Betaflight's tests
-    /// have worked out from the same calibration: hundredths of a degree, pascals.
+    /// The datasheet's example (figure 2), and two colder ones that the tests of Cleanflight and Betaflight
+    /// compute from the same calibration: hundredths of a degree, pascals.
     #[test]
     fn published_vectors() {
         for (d1, d2, printed) in [

@@ -3,15 +3,15 @@
 //!
 //! # Timing
 //! A poll does one step and returns: it sends a command, reads one word of the calibration, or reads one
-//! result and starts the next conversion; 5 bytes at most ([`MAX_POLL_BYTES`]). A conversion at the
-//! highest resolution takes up to 9.04 ms, so polled every 5 ms the chip gives a conversion every second
+//! result and starts the next conversion; at most 5 bytes ([`MAX_POLL_BYTES`]). A conversion at the highest
+//! resolution takes up to 9.04 ms, so with a poll every 5 ms the chip delivers a conversion every second
 //! poll: 7 pressures to each temperature, about 87 pressures a second.
 //!
 //! # Errors
-//! After any error the driver waits [`BACK_OFF_US`] and resets the chip. Its calibration is read once, and
-//! again to be sure: 4 bits of CRC let one in 16 wrong memories pass. Then it is kept, whatever the line does
-//! later. The chip protects nothing but its calibration: a bit that flips on the way in a result is found
-//! only when the value leaves the chip's range. That is for the estimator's plausibility check.
+//! After any error the driver waits [`BACK_OFF_US`] and resets the chip. The calibration is read twice,
+//! because the 4-bit CRC passes one wrong memory in 16; then it is kept, whatever the line does later. The
+//! chip protects only its calibration: a bit of a result that flips on the way is detected only if the value
+//! leaves the chip's range. The estimator's plausibility check covers the rest.
 
 mod compensation;
 mod prom;
@@ -27,7 +27,7 @@ use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::{Barometer, BarometerSample};
 
-/// Bytes that one poll moves at most.
+/// Largest number of bytes that one poll moves.
 pub const MAX_POLL_BYTES: usize = 5;
 /// Wait after an error before the chip is reset, microseconds.
 pub const BACK_OFF_US: u64 = 20_000;
@@ -78,7 +78,7 @@ enum Phase {
 pub struct Ms5611<Spi> {
     spi: Spi,
     phase: Phase,
-    /// The calibration as it was last read, and whether it was read so twice.
+    /// The calibration as last read, and whether it was read so twice.
     prom: Option<Prom>,
     is_sure: bool,
     health: Health,
@@ -95,7 +95,7 @@ impl<Spi: SpiDevice> Ms5611<Spi> {
         self.health
     }
 
-    /// The bus, for a test or a board that has to speak to the chip's model.
+    /// The bus, for a test or a board that accesses the chip's model.
     pub const fn bus_mut(&mut self) -> &mut Spi {
         &mut self.spi
     }
@@ -153,7 +153,7 @@ impl<Spi: SpiDevice> Ms5611<Spi> {
         let [high, middle, low] = bus::read(&mut self.spi, &[READ_ADC])?;
         let raw = u32::from_be_bytes([0, high, middle, low]);
         match raw {
-            // Datasheet, "Conversion sequence": 0 is no result.
+            // Datasheet, "Conversion sequence": 0 means no result.
             0 => return Err(SensorError::NoConversion),
             0xFF_FFFF => return Err(SensorError::StuckBus),
             _ => {}

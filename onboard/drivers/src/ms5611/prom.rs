@@ -10,7 +10,7 @@ pub struct Prom {
 }
 
 impl Prom {
-    /// From the eight words of the memory.
+    /// Checks the eight words of the memory.
     ///
     /// # Errors
     /// [`SensorError::StuckBus`] for a memory that is all zeros (whose CRC would be right) or all ones;
@@ -29,8 +29,8 @@ impl Prom {
 
 /// CRC-4 over the words, most significant byte first, the byte that holds the CRC taken as zero.
 ///
-/// AN520's remainder is the top nibble of a 16-bit register into which each byte is XORed at its low
-/// end, shifted out with polynomial 0x3000; that is none of the forms of a CRC catalogue.
+/// AN520's remainder is the top nibble of a 16-bit register: each byte is XORed into its low end and shifted
+/// out with polynomial 0x3000. This is none of the forms of a CRC catalogue.
 fn crc4(words: [u16; 8]) -> u8 {
     let mut remainder = 0u16;
     for (index, word) in words.into_iter().enumerate() {

@@ -1,7 +1,6 @@
 //! The messages that configure the receiver (u-blox F9 HPG interface description UBX-22008968, section 3.10;
 //! for generation 8: receiver description UBX-13003221, section 32.10).
-//!
-//! They are written out here, and the tests hold them against the `ublox` crate's builders: those carry every
+//! They are written out here, and the tests compare them with the `ublox` crate's builders. Those carry every
 //! key of every receiver, and scale in double precision, which the flight computer does not have.
 
 use heapless::Vec;
@@ -15,12 +14,12 @@ pub(super) type Frame = Vec<u8, FRAME_BYTES>;
 /// NAVSPG-DYNMODEL, CFG-NAV5: airborne, below 4 g.
 const AIRBORNE_4G: u8 = 8;
 
-/// A generation of receivers, by the way that it is configured.
+/// A generation of receivers, by how it is configured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Generation {
     /// Generation 9 and later: CFG-VALSET.
     Keys,
-    /// Generation 8 and earlier: one message a subject.
+    /// Generation 8 and earlier: one message for each subject.
     Messages,
 }
 
@@ -33,8 +32,7 @@ impl Generation {
     }
 }
 
-/// Class and identity of the message at a place in a generation's sequence, and its frame; `None` after the
-/// last.
+/// Class and id of the message at a place in a generation's sequence, and its frame; `None` after the last.
 pub(super) fn message(
     generation: Generation,
     place: u8,
@@ -43,12 +41,12 @@ pub(super) fn message(
 ) -> Option<(u8, u8, Frame)> {
     let [low, high] = period_ms.to_le_bytes();
     let [b0, b1, b2, b3] = baud.to_le_bytes();
-    // The one message of generation 8 that the others do without.
+    // The message of generation 8 that is left out when the guard is off.
     let place = place + u8::from(generation == Generation::Messages && !Guard::UbxOnly.stands());
     let (id, payload): (u8, &[u8]) = match (generation, place) {
         (Generation::Keys, 0) => (
             0x8A,
-            // Version 0, layer RAM: what the aircraft sets does not outlive its power.
+            // Version 0, layer RAM: the settings do not survive a loss of power.
             &[
                 0,
                 0x01,
@@ -88,17 +86,17 @@ pub(super) fn message(
                 1, // CFG-MSGOUT-UBX_NAV_PVT_UART1
             ],
         ),
-        // CFG-PRT, before anything that makes it say more: the first UART, 8 bits, no parity, 1 stop bit, its
-        // speed; it hears UBX, NMEA and RTCM, as it does by default, and speaks UBX.
+        // CFG-PRT, before anything that increases its output: the first UART, 8 bits, no parity, 1 stop bit,
+        // its speed; input UBX, NMEA and RTCM, as by default, and output UBX.
         (Generation::Messages, 0) => {
             (0x00, &[1, 0, 0, 0, 0xC0, 0x08, 0, 0, b0, b1, b2, b3, 0x07, 0, 0x01, 0, 0, 0, 0, 0])
         }
-        // CFG-MSG: NAV-PVT with every solution, on the port that asks.
+        // CFG-MSG: NAV-PVT with every solution, on the port that receives this message.
         (Generation::Messages, 1) => (0x01, &[0x01, 0x07, 1]),
         // CFG-RATE: period, a solution each measurement, aligned to GPS time.
         (Generation::Messages, 2) => (0x08, &[low, high, 1, 0, 1, 0]),
         (Generation::Messages, 3) => {
-            // CFG-NAV5: mask "dynamic model", and the model; the rest is not looked at.
+            // CFG-NAV5: mask "dynamic model", and the model; the receiver ignores the rest.
             const NAV5: [u8; 36] = {
                 let mut payload = [0; 36];
                 payload[0] = 1;
@@ -112,7 +110,7 @@ pub(super) fn message(
     frame(0x06, id, payload).map(|frame| (0x06, id, frame))
 }
 
-/// A UBX frame (section 3.2); `None` if it is longer than any that is sent.
+/// A UBX frame (section 3.2); `None` if it is longer than [`FRAME_BYTES`].
 fn frame(class: u8, id: u8, payload: &[u8]) -> Option<Frame> {
     let mut frame = Frame::new();
     let length = u16::try_from(payload.len()).ok()?.to_le_bytes();
@@ -171,7 +169,7 @@ mod tests {
             ..CfgNav5Builder::default()
         }
         .into_packet_bytes();
-        // The crate's default fix mode is not zero; the mask says that nobody looks at it.
+        // The crate's default fix mode is not zero; the mask makes the receiver ignore it.
         let masked = ours(Generation::Messages, 3);
         assert_eq!(masked[..9], model[..9]);
         assert_eq!(masked.len(), model.len());

@@ -1,11 +1,11 @@
-//! Frames out of the bytes of a line: sync characters, class, identity, length, payload, checksum
+//! Finds frames in the bytes of a line: sync characters, class, identity, length, payload, checksum
 //! (UBX-22008968, section 3.2).
 //!
-//! The checksum is summed up as the bytes come, so that the tick with a frame's last byte does not bear all
-//! of it. After what was no frame the search goes on behind its sync characters: a byte that was lost costs
-//! its own frame and not the next one.
+//! The checksum is summed as the bytes arrive, so that the tick with a frame's last byte does not bear all of
+//! it. After a false frame the search continues right behind its sync characters: a lost byte costs its own
+//! frame and not the next one.
 
-/// Longest payload that is asked for: NAV-PVT's.
+/// Longest expected payload: NAV-PVT's.
 const LONGEST_PAYLOAD: usize = 92;
 const SYNC: [u8; 2] = [0xB5, 0x62];
 /// Sync characters, class, identity, length.
@@ -21,24 +21,24 @@ pub(super) struct Frame<'a> {
     pub payload: &'a [u8],
 }
 
-/// What looked like a frame.
+/// Why an apparent frame was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FrameError {
     /// Its checksum is wrong.
     Checksum,
-    /// It is longer than any that is asked for.
+    /// It is longer than any expected frame.
     Oversized,
 }
 
-/// What has come of the next frame.
+/// The part of the next frame that has arrived.
 #[derive(Clone, Debug)]
 pub(super) struct Frames {
-    /// The first `length` of them have come. They begin as the sync characters do.
+    /// The first `length` bytes have arrived. They begin with the sync characters.
     bytes: [u8; LONGEST],
     length: usize,
-    /// The first of them, which were given away.
+    /// Length of the frame at the front that was already returned.
     done: usize,
-    /// The first of them, which are in the checksum or before it.
+    /// Number of bytes that are in the checksum or before it.
     summed: usize,
     sums: [u8; CHECKSUM],
 }
@@ -48,8 +48,7 @@ impl Frames {
         Self { bytes: [0; LONGEST], length: 0, done: 0, summed: 0, sums: [0; CHECKSUM] }
     }
 
-    /// Takes bytes off `arrived` up to the end of the next frame, or of what looked like one; `None` once all
-    /// are taken.
+    /// Takes bytes off `arrived` up to the end of the next frame or false frame; `None` once all are taken.
     #[inline]
     pub(super) fn next(&mut self, arrived: &mut &[u8]) -> Option<Result<Frame<'_>, FrameError>> {
         if self.done > 0 {
@@ -78,7 +77,7 @@ impl Frames {
         Some(Ok(Frame { class, id, payload: self.bytes.get(HEADER..payload_end)? }))
     }
 
-    /// Takes sync characters, or what else comes before the payload; `None` if that is not all there.
+    /// Takes the sync characters, or the rest of the header; `None` if that is not complete.
     #[inline]
     fn take_header(&mut self, arrived: &mut &[u8]) -> Option<()> {
         if self.length == 0 {
@@ -96,7 +95,7 @@ impl Frames {
         Some(())
     }
 
-    /// Takes what is there, until there are so many.
+    /// Takes arrived bytes until there are `wanted`.
     #[inline]
     fn take(&mut self, arrived: &mut &[u8], wanted: usize) {
         let count = wanted.saturating_sub(self.length).min(arrived.len());
@@ -108,7 +107,7 @@ impl Frames {
         *arrived = rest;
     }
 
-    /// Fletcher's checksum, over class, identity, length and payload, of the first so many bytes.
+    /// Fletcher's checksum over class, identity, length and payload, up to byte `to`.
     #[inline]
     fn sum_up(&mut self, to: usize) {
         let from = self.summed.max(SYNC.len());
@@ -121,7 +120,7 @@ impl Frames {
         self.summed = from.max(to);
     }
 
-    /// Drops so many bytes, and those after them that are no beginning of a frame.
+    /// Drops the first `dropped` bytes, and those after them that cannot begin a frame.
     #[inline(never)]
     fn search_from(&mut self, dropped: usize) {
         let come = self.bytes.get(..self.length).unwrap_or_default();
@@ -164,7 +163,7 @@ mod tests {
 
     type Found = Vec<Result<(u8, u8, Vec<u8>), FrameError>>;
 
-    /// What is found in bytes that come in pieces of these lengths, in turn.
+    /// Frames and errors found in bytes that arrive in pieces of these lengths, repeated in turn.
     fn found(bytes: &[u8], pieces: &[usize]) -> Found {
         let mut frames = Frames::new();
         let mut found = Vec::new();
@@ -207,7 +206,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever is between them, unless it looks like a frame itself, and however the bytes come.
+        /// Every frame is found whatever is between them, unless it looks like a frame itself, and however
+        /// the bytes are split.
         #[test]
         fn every_frame_is_found_in_order(
             parts in prop::collection::vec(
@@ -227,7 +227,7 @@ mod tests {
             prop_assert_eq!(found(&bytes, &pieces), expected);
         }
 
-        /// Of bytes that are anything, the same is found however they come, and every frame is one.
+        /// In arbitrary bytes the same is found however they are split, and every frame found is a real one.
         #[test]
         fn pieces_do_not_matter_and_no_frame_is_invented(
             parts in prop::collection::vec(

@@ -1,4 +1,4 @@
-//! The conversation that configures the receiver: a message, its acknowledgement, the next.
+//! The exchange that configures the receiver: a message, its acknowledgement, the next message.
 
 use embedded_io::{Write, WriteReady};
 
@@ -6,14 +6,15 @@ use super::LinkCounts;
 use super::config_messages::{Frame, Generation, message};
 use crate::error::SensorError;
 
-/// How long the driver waits for an acknowledgement before it sends the message again, microseconds: a
-/// receiver that was just starting has lost it.
+/// Time to wait for an acknowledgement before the message is sent again, microseconds. A receiver that was
+/// still starting has lost it.
 pub const ACKNOWLEDGE_US: u64 = 200_000;
-/// How often one message is sent before the driver gives up and begins anew: for the second that a receiver
-/// may take (section 3.3.2: "within one second"). An acknowledgement of any of them counts.
+/// Number of times that one message is sent before the driver gives up and begins again. They cover the
+/// second that a receiver may take (section 3.3.2: "within one second"). An acknowledgement of any of them
+/// counts.
 pub const ATTEMPTS: u8 = 5;
 
-/// What the receiver said to a configuration message: its class and identity.
+/// The receiver's answer to a configuration message, with the message's class and id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
     Acknowledged(u8, u8),
@@ -24,7 +25,7 @@ pub(super) enum Answer {
 enum State {
     /// The next message is to be sent.
     Idle,
-    /// Part of the message is on its way.
+    /// Part of the message has been sent.
     Sending {
         frame: Frame,
         sent: usize,
@@ -72,7 +73,7 @@ impl Link {
         !self.begun
     }
 
-    /// Forgets what was acknowledged; the generation that last worked is tried first.
+    /// Forgets the acknowledgements. The generation that last worked is tried first.
     pub(super) fn restart(&mut self) {
         self.place = 0;
         self.attempt = 0;
@@ -80,12 +81,12 @@ impl Link {
         self.state = State::Idle;
     }
 
-    /// Takes an answer, and sends what fits without waiting.
+    /// Takes an answer, and sends as much as fits without waiting.
     ///
     /// # Errors
     /// [`SensorError::NotAcknowledged`] when a receiver has refused both generations' messages;
     /// [`SensorError::Timeout`] when no answer came to the last attempt; [`SensorError::Bus`]. The
-    /// configuration then begins anew.
+    /// configuration then begins again.
     pub(super) fn step<Port: Write + WriteReady>(
         &mut self,
         now_us: u64,

@@ -1,20 +1,20 @@
-//! u-blox satellite receiver on a UART, by its UBX protocol (interface description UBX-22008968). What a
-//! frame's payload says is read by the `ublox` crate; its parser is not used, which sums a whole frame up in
-//! the tick of its last byte.
+//! u-blox satellite receiver on a UART with the UBX protocol (interface description UBX-22008968). The
+//! `ublox` crate reads the payload of a frame. Its parser is not used, because it sums a whole frame in the
+//! tick of its last byte.
 //!
 //! # Configuration
-//! The receiver is told to send UBX only (its NMEA sentences, 650 bytes with each solution, would fill a line
-//! of 38,400 baud at 6 solutions a second), NAV-PVT with each solution, its rate and its dynamic model
-//! (airborne, below 4 g). Each message is sent anew when no acknowledgement comes within [`ACKNOWLEDGE_US`],
-//! [`ATTEMPTS`] times; a receiver that refuses the keys of generation 9 is configured the way of generation 8.
-//! Fixes that arrive meanwhile are delivered all the same. The port's speed is the board's matter: a receiver
-//! that starts at another one must have stored it.
+//! The receiver is configured to send UBX only (its NMEA sentences, 650 bytes with each solution, would fill
+//! a line of 38,400 baud at 6 solutions a second) and NAV-PVT with each solution, with its rate and its
+//! dynamic model (airborne, below 4 g). Each message is sent again when no acknowledgement comes within
+//! [`ACKNOWLEDGE_US`], up to [`ATTEMPTS`] times. A receiver that refuses the keys of generation 9 is
+//! configured like generation 8. Fixes that arrive meanwhile are delivered. The board sets the port's speed:
+//! a receiver that starts at another speed must have stored this one.
 //!
 //! # Errors
-//! A receiver that sends no solution is stale, one that sends a wrong checksum is an error of that poll. It
-//! is configured anew when it is stale, and when so much comes without a frame in it that it can only be
-//! NMEA: a reset of the receiver heals itself. A solution that is not three-dimensional and within the
-//! receiver's own limits is counted and is no fix.
+//! A receiver that sends no solution is stale; a wrong checksum is an error of that poll. The receiver is
+//! configured again when it is stale, and when so many bytes come without a frame that they can only be NMEA:
+//! so a reset of the receiver is repaired. A solution that is not three-dimensional and within the receiver's
+//! own limits is counted and is no fix.
 
 mod config_messages;
 mod frames;
@@ -36,25 +36,25 @@ use crate::error::SensorError;
 use crate::health::Health;
 use crate::sensor::SatelliteReceiver;
 
-/// Bytes that one poll takes at most, which bounds its work: a fix of 100 bytes in every tick, as some
-/// flights have it.
+/// Largest number of bytes that one poll takes. It bounds the poll's work: a fix of 100 bytes in every tick,
+/// as in some flights.
 pub const MAX_POLL_BYTES: usize = 128;
-/// The receiver is stale after so many halves of the time between the last two solutions, at most so long in
-/// microseconds. One lost solution is none; and it is configured anew so early that whatever made it silent
-/// costs it half a second beyond that.
+/// The receiver is stale after this many halves of the time between the last two solutions, and after
+/// `STALE_AT_MOST_US` microseconds at the latest. One lost solution is not enough. Yet the receiver is
+/// configured again early enough that its silence costs half a second beyond what caused it.
 const STALE_HALVES: u64 = 5;
 const STALE_AT_MOST_US: u64 = 1_000_000;
-/// So many bytes without a frame, and the receiver sends something else: the longest frame that is asked for
-/// has 100.
+/// More bytes than this without a frame mean that the receiver sends something else: the longest expected
+/// frame has 100.
 const BYTES_WITHOUT_A_FRAME: u32 = 300;
-/// Velocity is no measurement where the receiver's own estimate of its accuracy (sAcc) is worse, mm/s.
+/// Velocity is not used if the receiver's own estimate of its accuracy (sAcc) is worse than this, mm/s.
 const WORST_SPEED_ACCURACY_MMPS: u32 = 10_000;
-/// An accuracy that the receiver does not know: the field is full.
+/// Accuracy that the receiver does not know: all bits of the field are set.
 const UNKNOWN_ACCURACY: u32 = u32::MAX;
-/// A week, ms: time of week starts anew after it.
+/// A week, ms: time of week starts again after it.
 const WEEK_MS: u64 = 604_800_000;
 
-/// What altitude means.
+/// Datum of the altitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Datum {
     /// Height above the WGS 84 ellipsoid.
@@ -63,31 +63,31 @@ pub enum Datum {
     MeanSeaLevel,
 }
 
-/// What the receiver is to do.
+/// Configuration of the receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
     /// Which of the two heights becomes the fix's altitude.
     pub datum: Datum,
     /// Time from one solution to the next, ms.
     pub period_ms: u16,
-    /// Speed of the line, baud: the way in which generation 8 is told what to send repeats it.
+    /// Speed of the line, baud: generation 8's message for the output repeats it.
     pub baud: u32,
 }
 
-/// What came and went on the line since power-up. All saturate.
+/// Traffic on the line since power-up. All saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounts {
-    /// Bytes received, whatever they were.
+    /// Bytes received, of any kind.
     pub bytes: u32,
     /// Frames received whose checksum was right.
     pub frames: u32,
-    /// Frames whose checksum was wrong, or whose content was not that of their message.
+    /// Frames whose checksum was wrong, or whose content did not match their message.
     pub bad_frames: u32,
-    /// Frames, or what looked like them, longer than any that was asked for.
+    /// Frames, or false frames, longer than any expected one.
     pub oversized: u32,
     /// Solutions that were no fix: not three-dimensional, or outside the receiver's limits.
     pub no_fix: u32,
-    /// Fixes that were followed by a newer one in the same poll.
+    /// Fixes that a newer one in the same poll replaced.
     pub superseded: u32,
     /// Configuration messages sent, repetitions included.
     pub sent: u32,
@@ -101,7 +101,7 @@ pub struct LinkCounts {
 pub struct Ublox<Port> {
     port: Port,
     period_us: u64,
-    /// Time between the last two solutions; until there are two, what was asked for.
+    /// Time between the last two solutions; before there are two, the configured one.
     interval_us: u64,
     bytes_without_a_frame: u32,
     stream: Stream,
@@ -111,8 +111,8 @@ pub struct Ublox<Port> {
     health: Health,
 }
 
-/// What comes from the receiver, whatever port it comes through: compiled once, in this crate, and so for
-/// speed.
+/// Handles the receiver's data, whatever the port: not generic, so that it is compiled once, in this crate,
+/// and so for speed.
 struct Stream {
     frames: Frames,
     datum: Datum,
@@ -153,7 +153,7 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
         self.link.is_configured()
     }
 
-    /// The port, for a test or a board that has to speak to the receiver's model.
+    /// The port, for a test or a board that accesses the receiver's model.
     pub const fn port_mut(&mut self) -> &mut Port {
         &mut self.port
     }
@@ -176,7 +176,7 @@ impl<Port: Read + ReadReady + Write + WriteReady> Ublox<Port> {
         {
             self.interval_us = now_us.saturating_sub(last_us);
         }
-        // Until it is configured nothing need come, and a missing acknowledgement is the link's error.
+        // Before the configuration no data is expected, and a missing acknowledgement is the link's error.
         if received.solution || !self.link.is_configured() {
             self.quiet_since_us = now_us;
         }
@@ -274,9 +274,9 @@ impl Stream {
     }
 }
 
-/// What a frame says, if it is one of those that are asked for; `None` for one of these that is not as it
-/// should be. Known by their constants, so that no image has the checks of a hundred messages that nobody
-/// asks for.
+/// Content of a frame, `Some(None)` if it is of no expected message; `None` if an expected message is
+/// malformed. Messages are recognised by their constants, so that the image does not contain the checks of a
+/// hundred messages that are never used.
 fn packet<'a>(frame: &Frame<'a>) -> Option<Option<PacketRef<'a>>> {
     let known = match (frame.class, frame.id) {
         (NavPvt::CLASS, NavPvt::ID) => Proto27::match_packet(NavPvt::CLASS, NavPvt::ID, frame.payload),
@@ -287,7 +287,7 @@ fn packet<'a>(frame: &Frame<'a>) -> Option<Option<PacketRef<'a>>> {
     known.ok().map(Some)
 }
 
-/// What one poll's bytes contained.
+/// Content of one poll's bytes.
 #[derive(Default)]
 struct Received {
     fix: Option<GpsFix>,
@@ -305,7 +305,7 @@ fn is_fix(solution: &NavPvtRef<'_>) -> bool {
         && solution.flags3_raw() & 1 == 0
 }
 
-/// mm and mm/s become m and m/s: f32 holds every mm up to 16 km.
+/// Converts mm and mm/s to m and m/s: f32 holds every mm up to 16 km.
 fn fix(solution: &NavPvtRef<'_>, datum: Datum, time_ms: u64) -> GpsFix {
     let altitude_mm = match datum {
         Datum::Ellipsoid => solution.height_above_ellipsoid_raw(),
@@ -326,7 +326,7 @@ fn fix(solution: &NavPvtRef<'_>, datum: Datum, time_ms: u64) -> GpsFix {
     }
 }
 
-/// Time of week, ms, made to run on over the week's end: a step back of more than half a week is a new week.
+/// Time of week, ms, continued over the week's end: a step back of more than half a week is a new week.
 fn unwrapped(time_of_week_ms: u32, week_start_ms: &mut u64, last_ms: &mut u32) -> u64 {
     if u64::from(last_ms.saturating_sub(time_of_week_ms)) > WEEK_MS / 2 {
         *week_start_ms = week_start_ms.saturating_add(WEEK_MS);

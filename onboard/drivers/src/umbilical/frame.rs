@@ -1,8 +1,8 @@
 //! Finds MAVLink 2 frames with an altitude in a stream of bytes.
 //!
-//! Only what can be such a frame is kept: the first byte of a header that is none ends the attempt, and the
-//! search goes on after the byte that it began with. So whatever comes before a whole frame, the frame is
-//! found; and no byte costs more than one pass over the longest frame.
+//! Only bytes that can be such a frame are kept. The first byte that does not fit a header ends the attempt,
+//! and the search continues after the byte with which the attempt began. A whole frame is therefore found
+//! whatever precedes it, and no byte costs more than one pass over the longest frame.
 
 use crc::{CRC_16_MCRF4XX, Crc};
 use mavlink::MessageData;
@@ -10,48 +10,48 @@ use mavlink::dialects::common::ALTITUDE_DATA;
 
 use super::Sender;
 
-/// MAVLink's "X.25" checksum, which the catalogue of CRCs calls MCRF4XX. By table: the `mavlink` crate's own
-/// takes half of a poll.
+/// MAVLink's "X.25" checksum, called MCRF4XX in the catalogue of CRCs. By table, because the `mavlink`
+/// crate's own takes half of a poll.
 const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_MCRF4XX);
 /// Start of a MAVLink 2 frame.
 const START: u8 = 0xFD;
-/// Start, length, two bytes of flags, sequence, system, component, three bytes of the message's identity.
+/// Start, length, two bytes of flags, sequence, system, component, three bytes of the message's id.
 const HEADER: usize = 10;
-/// Where the sender is in it.
+/// Index of the sender in it.
 const SYSTEM: usize = 5;
 const COMPONENT: usize = 6;
 const PAYLOAD: usize = ALTITUDE_DATA::ENCODED_LEN;
 const CHECK: usize = 2;
 const LONGEST: usize = HEADER + PAYLOAD + CHECK;
-/// The frame is signed: 13 bytes follow, which are passed over. A receiver must discard a frame with any
-/// other flag.
+/// The frame is signed: 13 bytes follow, which are skipped. A receiver must discard a frame with any other
+/// flag.
 const SIGNED: u8 = 0x01;
 const IDENTITY: [u8; 4] = ALTITUDE_DATA::ID.to_le_bytes();
 
-/// What the next bytes were.
+/// Classification of the next bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Found {
     /// A frame whose checksum is right.
     Altitude {
-        /// Who sent it.
+        /// The sender.
         sender: Sender,
-        /// Its payload, with the zeros that the sender left out at its end.
+        /// Its payload, with the zeros that the sender omitted at its end.
         payload: [u8; PAYLOAD],
     },
-    /// A whole frame, but for its checksum. Its bytes are looked at again.
+    /// A whole frame with a wrong checksum. Its bytes are searched again.
     BadChecksum,
-    /// So many bytes that are of no frame with an altitude.
+    /// This many bytes that belong to no frame with an altitude.
     OtherBytes(usize),
 }
 
-/// The bytes since the last frame, as far as they may be the next.
+/// The bytes since the last frame that may belong to the next one.
 #[derive(Clone, Debug)]
 pub(super) struct Frames {
     bytes: [u8; LONGEST],
     len: usize,
-    /// So many of them have been seen to be such as a frame's header; at most `len`.
+    /// Number of bytes that were found to fit a frame's header; at most `len`.
     fitting: usize,
-    /// The frame at the front has been found wrong.
+    /// The frame at the front was found wrong.
     rejected: bool,
 }
 
@@ -60,10 +60,10 @@ impl Frames {
         Self { bytes: [0; LONGEST], len: 0, fitting: 0, rejected: false }
     }
 
-    /// Takes as many bytes from the front as can be taken before they are looked at, and says how many: at
-    /// least one, if there is one. [`Self::next_found`] must have said `None` before.
+    /// Takes as many bytes from the front as can be taken before they are checked, and returns their number:
+    /// at least one, if there is one. [`Self::next_found`] must have returned `None` before.
     pub(super) fn take(&mut self, bytes: &[u8]) -> usize {
-        // Where a frame ends is known once its header is whole.
+        // The end of a frame is known once its header is complete.
         let wanted = if self.fitting < HEADER { HEADER } else { self.end() };
         let count = wanted.saturating_sub(self.len).min(bytes.len());
         match (self.bytes.get_mut(self.len..self.len + count), bytes.get(..count)) {
@@ -74,7 +74,7 @@ impl Frames {
         count
     }
 
-    /// What the bytes so far were; `None` until more have come.
+    /// Classifies the bytes so far; `None` until more have come.
     pub(super) fn next_found(&mut self) -> Option<Found> {
         while !self.rejected && self.fitting < self.len.min(HEADER) {
             match self.bytes.get(self.fitting) {
@@ -113,7 +113,7 @@ impl Frames {
         Some(Found::Altitude { sender, payload })
     }
 
-    /// Where the frame ends whose header these bytes begin with.
+    /// End of the frame whose header these bytes begin with.
     fn end(&self) -> usize {
         HEADER + self.payload_len() + CHECK
     }
@@ -135,7 +135,7 @@ impl Frames {
     }
 }
 
-/// Whether a frame with an altitude may have such a byte at that place.
+/// Whether a frame with an altitude may have this byte at this place.
 fn fits(place: usize, byte: u8) -> bool {
     let [a, b, c, _] = IDENTITY;
     match place {

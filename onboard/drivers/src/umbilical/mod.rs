@@ -4,15 +4,15 @@
 //! # The message
 //! ALTITUDE (#141), its field `altitude_amsl`: metres above mean sea level as a 32-bit float, so the link
 //! adds no quantum of its own. (GLOBAL_POSITION_INT has millimetres, but is by definition a position fused
-//! with satellites; the reference must not come back as a second sensor.) The mother ship's side puts its
-//! inertial altitude there. Other messages on the line are passed over, and so are other senders' altitudes:
-//! many autopilots put a fused one there, and a ground station's radio bridge carries those of every vehicle
-//! that it hears.
+//! with satellites; the reference must not come back as a second sensor.) The mother ship puts its inertial
+//! altitude there. Other messages on the line are skipped, and so are other senders' altitudes: many
+//! autopilots put a fused one there, and a ground station's radio bridge carries those of every vehicle that
+//! it receives.
 //!
 //! # Errors
-//! A frame with a wrong checksum is an error of that poll, and so is an altitude outside of [`ALTITUDES_M`],
-//! or a link that has delivered and is then silent for [`SILENT_AFTER_US`] while the UAV is attached. From
-//! the decision of a launch on the link is gone: nothing is read from it, whatever noise an open line
+//! A frame with a wrong checksum is an error of that poll, and so is an altitude outside of [`ALTITUDES_M`].
+//! A link that has delivered and is then silent for [`SILENT_AFTER_US`] while the UAV is attached is an error
+//! too. Once a launch is decided the link is gone: nothing is read from it, whatever noise an open line
 //! carries, and that is no fault.
 
 mod frame;
@@ -31,45 +31,45 @@ use crate::health::Health;
 use crate::sensor::AltitudeLink;
 use frame::{Found, Frames};
 
-/// Bytes that one poll takes at most: at 115,200 baud 58 arrive in 5 ms.
+/// Largest number of bytes that one poll takes: at 115,200 baud 58 arrive in 5 ms.
 pub const MAX_POLL_BYTES: usize = 128;
-/// Silence that is an error, microseconds; every further such time is one more.
+/// Duration of a silence that is an error, microseconds. Each further such time is another error.
 pub const SILENT_AFTER_US: u64 = 1_000_000;
 
 /// Altitudes that a mother ship can have, metres: from below the shore of the Dead Sea to above every
 /// balloon.
 pub const ALTITUDES_M: RangeInclusive<f32> = -1_000.0..=60_000.0;
 
-/// A MAVLink system and its component.
+/// Address of a MAVLink system and its component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sender {
     /// The system's id.
     pub system: u8,
-    /// The component's.
+    /// The component's id.
     pub component: u8,
 }
 
 impl Sender {
-    /// The first system's autopilot (`MAV_COMP_ID_AUTOPILOT1`), which most mother ships are.
+    /// The first system's autopilot (`MAV_COMP_ID_AUTOPILOT1`), the address of most mother ships.
     pub const FIRST_AUTOPILOT: Self = Self { system: 1, component: 1 };
 }
 
-/// What came on the line since power-up. All saturate.
+/// Traffic on the line since power-up. All saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounts {
-    /// Bytes received, whatever they were.
+    /// Bytes received, of any kind.
     pub bytes: u32,
     /// Bytes that belonged to no frame with an altitude: other messages, and garbage.
     pub other_bytes: u32,
-    /// Frames with an altitude and a right checksum, of the mother ship.
+    /// Frames of the mother ship with an altitude and a right checksum.
     pub frames: u32,
-    /// The same of anybody else.
+    /// The same of other senders.
     pub strangers: u32,
-    /// Altitudes that are none, or that no mother ship can have.
+    /// Altitudes that are not finite, or that no mother ship can have.
     pub absurd: u32,
-    /// What began like a frame with an altitude and had a wrong checksum.
+    /// Apparent frames with an altitude whose checksum was wrong.
     pub bad_frames: u32,
-    /// Altitudes that were followed by a newer one in the same poll.
+    /// Altitudes that a newer one in the same poll replaced.
     pub superseded: u32,
 }
 
@@ -78,19 +78,19 @@ pub struct LinkCounts {
 pub struct Umbilical<Port> {
     port: Port,
     mother_ship: Sender,
-    /// What has arrived and was not looked at: so many bytes.
+    /// Bytes that have arrived and were not read yet: the first `waiting` ones.
     bytes: [u8; MAX_POLL_BYTES],
     waiting: usize,
     frames: Frames,
     attached: bool,
-    /// The last altitude, or the last complaint about its absence.
+    /// Time of the last altitude, or of the last error about its absence.
     heard_us: Option<u64>,
     health: Health,
     counts: LinkCounts,
 }
 
 impl<Port: Read + ReadReady> Umbilical<Port> {
-    /// A driver that has not yet heard anything, on the mother ship, which sends as that.
+    /// A driver that has received nothing yet, attached to the mother ship with that address.
     pub const fn new(port: Port, mother_ship: Sender) -> Self {
         Self {
             port,
@@ -123,12 +123,12 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
         self.counts
     }
 
-    /// The port, for a test or a board that has to speak to the mother ship's model.
+    /// The port, for a test or a board that accesses the mother ship's model.
     pub const fn port_mut(&mut self) -> &mut Port {
         &mut self.port
     }
 
-    /// Takes what has arrived behind what is waiting.
+    /// Appends the bytes that have arrived to those that wait.
     fn receive(&mut self) -> Result<(), SensorError> {
         let room = self.bytes.get_mut(self.waiting..).unwrap_or_default();
         let arrived = crate::port::receive(&mut self.port, room)?;
@@ -172,7 +172,7 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
                 }
             }
         }
-        // The payload has been brought to its full length, so this decodes.
+        // The payload has been extended to its full length, so this decodes.
         let altitude_m = newest
             .and_then(|payload| ALTITUDE_DATA::deser(MavlinkVersion::V2, &payload).ok())
             .map(|message| message.altitude_amsl);

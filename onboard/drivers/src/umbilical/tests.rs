@@ -1,4 +1,4 @@
-//! Whatever bytes come on the line.
+//! Robustness against any bytes on the line.
 
 use core::convert::Infallible;
 
@@ -10,16 +10,16 @@ use crate::replay::{Replay, ReplayUmbilical};
 use crate::sensor::{BarometerSample, VehicleState};
 use crate::suite::{Sensors, Suite};
 
-/// A frame's longest, and shortest: a payload of one byte.
+/// Length of the longest frame, and of the shortest: a payload of one byte.
 const LONGEST: usize = 44;
 const SHORTEST: usize = 13;
 
-/// A line that is never idle: as many bytes as are asked for.
+/// A line that is never idle: it delivers as many bytes as are requested.
 struct Noise {
     state: u32,
-    /// Bytes that are next, whatever the noise would be.
+    /// Bytes to deliver before random ones.
     planned: Vec<u8>,
-    /// What was given last.
+    /// The bytes delivered last.
     given: Vec<u8>,
 }
 
@@ -77,7 +77,7 @@ impl Read for Noise {
     }
 }
 
-/// MAVLink's checksum, a bit at a time.
+/// MAVLink's checksum, computed bit by bit.
 fn checksum(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xFFFF, |sum, byte| {
         (0..8).fold(sum ^ u16::from(*byte), |sum, _| (sum >> 1) ^ if sum & 1 == 0 { 0 } else { 0x8408 })
@@ -88,7 +88,7 @@ fn frame(sender: (u8, u8), altitude_m: f32, sequence: u8) -> Vec<u8> {
     flagged(0, sender, altitude_m, sequence)
 }
 
-/// A frame with these flags that a receiver has to know.
+/// A frame with these flags, which a receiver has to know.
 fn flagged(flags: u8, (system, component): (u8, u8), altitude_m: f32, sequence: u8) -> Vec<u8> {
     let mut payload = [0; 32];
     payload[12..16].copy_from_slice(&altitude_m.to_le_bytes());
@@ -115,8 +115,8 @@ fn holds(bytes: &[u8], sender: Sender, altitude_m: f32) -> bool {
     })
 }
 
-/// Ten million bytes: every altitude that is accepted is in a frame of the mother ship's whose checksum is
-/// right, and no poll does more than its share.
+/// Ten million bytes: every accepted altitude is in a frame of the mother ship with a right checksum, and no
+/// poll does more than its share.
 #[test]
 fn ten_million_bytes_of_anything() {
     let noise = Noise { state: 20_261_122, planned: Vec::new(), given: Vec::new() };
@@ -127,7 +127,7 @@ fn ten_million_bytes_of_anything() {
         let polled = driver.poll(tick * 5_000);
         let counts = driver.link_counts();
         assert!(counts.bytes - before.bytes <= MAX_POLL_BYTES as u32);
-        // Every attempt at a frame begins with a header that fits.
+        // Every attempted frame begins with a header that fits.
         let checked = counts.frames + counts.strangers + counts.bad_frames
             - before.frames
             - before.strangers
@@ -150,11 +150,11 @@ fn ten_million_bytes_of_anything() {
     assert!(counts.strangers > 10_000 && counts.bad_frames > 10_000, "{counts:?}");
 }
 
-/// A stranger's altitude is no message of the mother ship's, and neither is one that no mother ship can have.
+/// Another sender's altitude is ignored, and so is one that no mother ship can have.
 #[test]
 fn only_the_mother_ships_plausible_altitudes_count() {
     let only = |bytes: Vec<u8>| {
-        // A line that ends is noise that is no frame.
+        // The line ends with bytes that are no frame.
         let planned = bytes.into_iter().chain([0; MAX_POLL_BYTES]).rev().collect();
         let mut driver =
             Umbilical::new(Noise { state: 1, planned, given: Vec::new() }, Sender::FIRST_AUTOPILOT);
@@ -171,7 +171,7 @@ fn only_the_mother_ships_plausible_altitudes_count() {
     }
 }
 
-/// A signed frame counts. One with a flag that is not known here has to be discarded: it may mean anything.
+/// A signed frame counts. One with an unknown flag must be discarded: it may mean anything.
 #[test]
 fn a_frame_with_an_unknown_flag_is_discarded() {
     for (flags, altitude_m) in [(0x00, Some(2_000.0)), (0x01, Some(2_000.0)), (0x02, None), (0x81, None)] {
@@ -185,7 +185,7 @@ fn a_frame_with_an_unknown_flag_is_discarded() {
     }
 }
 
-/// A line that says what it was told to, and no more.
+/// A line that delivers exactly these bytes.
 struct Line(Vec<u8>);
 
 impl ErrorType for Line {
@@ -208,8 +208,8 @@ impl Read for Line {
     }
 }
 
-/// A second without an altitude is none yet; after it the link is silent, which is said once a second,
-/// whatever the time of the poll.
+/// A second without an altitude is no silence yet. After it the silence is reported once a second, whatever
+/// the time of the poll.
 #[test]
 fn more_than_a_second_of_silence_is_said_once_a_second() {
     let mut driver = Umbilical::new(Line(frame((1, 1), 2_000.0, 0)), Sender::FIRST_AUTOPILOT);
@@ -221,7 +221,7 @@ fn more_than_a_second_of_silence_is_said_once_a_second() {
     }
 }
 
-/// What comes in a tick: a fix, a pressure, a message of the mother ship.
+/// What arrives in a tick: a fix, a pressure, a message of the mother ship.
 #[derive(Clone, Copy, Default)]
 struct Comes {
     fix: bool,
@@ -229,7 +229,7 @@ struct Comes {
     message: bool,
 }
 
-/// Altitudes that a suite has of the mother ship, tick by tick.
+/// Altitudes of the mother ship that a suite delivers, tick by tick.
 fn heard(ticks: &[Comes]) -> (Vec<Option<f32>>, LinkCounts) {
     let mut suite = Suite::new(
         Replay::<GpsFix>::new(),
@@ -259,7 +259,7 @@ fn heard(ticks: &[Comes]) -> (Vec<Option<f32>>, LinkCounts) {
     (heard, suite.imu_master.link_counts())
 }
 
-/// A tick with a fix or a pressure is expensive enough without a message; the next one takes it, and nothing
+/// A tick with a fix or a pressure is expensive enough without a message. The next tick takes it, and nothing
 /// is lost.
 #[test]
 fn a_message_in_an_expensive_tick_waits_for_the_next_tick() {
@@ -275,7 +275,7 @@ fn a_message_in_an_expensive_tick_waits_for_the_next_tick() {
     }
 }
 
-/// Where every tick is expensive there is no better one to wait for.
+/// Where every tick is expensive, there is no better tick to wait for.
 #[test]
 fn no_message_waits_twice() {
     let (fix, pressure) = (

@@ -2,9 +2,9 @@
 
 use mavlink::dialects::common::ALTITUDE_DATA;
 
-/// Below -1000 m the message says "unknown".
+/// Terrain altitude below -1000 m, which means "unknown" in the message.
 const UNKNOWN_TERRAIN_M: f32 = -10_000.0;
-/// A negative clearance says "no measurement".
+/// A negative clearance, which means "no measurement".
 const NO_CLEARANCE_M: f32 = -1.0;
 
 /// Altitudes, metres.

@@ -3,7 +3,7 @@
 use mavlink::dialects::common::ATTITUDE_DATA;
 
 /// Roll, pitch, yaw (rad) of the vehicle's attitude equipment, and the body rates (rad/s) of the inertial
-/// sample of the same tick; NaN where there was none.
+/// sample of the same tick; NaN without one.
 #[must_use]
 pub fn attitude(time_ms: u32, attitude_rad: [f32; 3], rates_radps: Option<[f32; 3]>) -> ATTITUDE_DATA {
     let [roll, pitch, yaw] = attitude_rad;

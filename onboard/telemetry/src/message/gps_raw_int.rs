@@ -9,8 +9,8 @@ const DEGREES: f32 = 180.0 / core::f32::consts::PI;
 ///
 /// | field | is |
 /// |---|---|
-/// | `fix_type` | 3D: a receiver's driver hands on no other fix |
-/// | `lat`, `lon` | `INT32_MAX`, which is no position: the estimator gets none |
+/// | `fix_type` | 3D: a receiver's driver passes on no other fix |
+/// | `lat`, `lon` | `INT32_MAX`, which means no position: the estimator receives none |
 /// | `alt` | altitude above the flight's datum, mm |
 /// | `vel`, `cog` | speed over ground, cm/s, and its direction, degrees/100; `UINT16_MAX` unless north and east are known |
 /// | `satellites_visible` | satellites used in the fix; `UINT8_MAX` if not known |
@@ -45,10 +45,10 @@ pub fn gps_raw_int(time_us: u64, fix: &GpsFix) -> GPS_RAW_INT_DATA {
     }
 }
 
-/// Speed in cm/s, below the value that says "unknown" (655 m/s and more are unknown), and course in
-/// degrees/100 below 36000.
+/// Speed in cm/s, below the value for "unknown" (655 m/s and more are unknown), and course in degrees/100
+/// below 36000.
 fn over_ground(north_mps: f32, east_mps: f32) -> (u16, u16) {
-    // `libm::hypotf` works in doubles, which the target has not.
+    // `libm::hypotf` computes in double precision, which the target does not have.
     let speed_cmps = libm::roundf(libm::sqrtf(north_mps * north_mps + east_mps * east_mps) * 100.0);
     if speed_cmps >= f32::from(u16::MAX) {
         return (u16::MAX, u16::MAX);

@@ -3,7 +3,7 @@
 use kf_core::output::Phase;
 use mavlink::dialects::common::{HEARTBEAT_DATA, MavAutopilot, MavModeFlag, MavState, MavType};
 
-/// The version that every MAVLink of today's messages writes.
+/// The version that the current MAVLink messages carry.
 const MAVLINK_VERSION: u8 = 3;
 
 /// The phase of the mission.

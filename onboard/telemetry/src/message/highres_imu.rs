@@ -3,7 +3,7 @@
 use kf_core::input::{BaroReading, TickInput};
 use mavlink::dialects::common::{HIGHRES_IMU_DATA, HighresImuUpdatedFlags};
 
-/// The inertial and the barometer's samples of one tick.
+/// The inertial and the barometer samples of one tick.
 ///
 /// | field | is |
 /// |---|---|

@@ -1,4 +1,4 @@
-//! The messages: what is put into each field, and in which unit.
+//! The messages: contents and units of each field.
 //!
 //! Source of fields and units: MAVLink's `common.xml` (mavlink.io/en/messages/common.html). Times are the
 //! mission's, microseconds or milliseconds since the flight computer started.
@@ -21,7 +21,7 @@ pub use named_value_float::named_value_float;
 pub use status_text::status_text;
 pub use sys_status::{SensorBits, SysStatus, sys_status};
 
-/// Milliseconds of a time in microseconds, as MAVLink's 32 bits carry them; they wrap after 49.7 days.
+/// Converts a time in microseconds to MAVLink's 32-bit milliseconds, which wrap after 49.7 days.
 #[must_use]
 pub const fn boot_ms(time_us: u64) -> u32 {
     (time_us / 1_000) as u32

@@ -4,22 +4,22 @@ use mavlink::dialects::common::{MavSysStatusSensor, MavSysStatusSensorExtended, 
 
 use crate::status::ComputerStatus;
 
-/// Sensors as MAVLink's bits: `3D_GYRO`, `3D_ACCEL` the inertial unit, `ABSOLUTE_PRESSURE` the barometer,
-/// `GPS` the reference, `AHRS` the UAV's inertial altitude (`imu_slave`).
+/// Sensors as MAVLink's bits: `3D_GYRO` and `3D_ACCEL` are the inertial unit, `ABSOLUTE_PRESSURE` the
+/// barometer, `GPS` the reference, `AHRS` the UAV's inertial altitude (`imu_slave`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorBits {
-    /// Has delivered at least once.
+    /// Sensors that have delivered at least once.
     pub present: MavSysStatusSensor,
-    /// Delivers, and is neither stuck nor untrustworthy.
+    /// Sensors that deliver, and are neither stuck nor untrustworthy.
     pub healthy: MavSysStatusSensor,
 }
 
-/// What the message tells.
+/// Contents of the message.
 #[derive(Clone, Copy, Debug)]
 pub struct SysStatus {
     /// The sensors.
     pub sensors: SensorBits,
-    /// Frames dropped since the last message, of those that were to be sent, percent/100.
+    /// Share of frames dropped since the last message, of all frames to be sent, percent/100.
     pub drop_rate: u16,
     /// Frames dropped so far.
     pub dropped: u32,
@@ -27,7 +27,7 @@ pub struct SysStatus {
     pub refused: u32,
     /// Ticks that were out of order so far.
     pub out_of_order: u32,
-    /// What only the flight computer's own code knows.
+    /// Status known only to the flight computer's own code.
     pub computer: ComputerStatus,
 }
 
@@ -43,7 +43,7 @@ pub struct SysStatus {
 /// | `errors_count4` | results that found no room in the flight record |
 /// | `voltage_battery`, `current_battery`, `battery_remaining` | unknown (`UINT16_MAX`, -1, -1) |
 ///
-/// Counts stay at 65535 when they get there.
+/// Counts saturate at 65535.
 #[must_use]
 pub fn sys_status(status: &SysStatus) -> SYS_STATUS_DATA {
     let none = MavSysStatusSensorExtended::empty();

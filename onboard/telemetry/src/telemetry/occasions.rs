@@ -1,4 +1,4 @@
-//! What is said once, when it happens.
+//! Events that are reported once, when they occur.
 
 use kf_core::input::LaunchDoubt;
 use kf_core::launch::WireCondition;
@@ -15,13 +15,13 @@ use crate::sample::Sample;
 use crate::schedule::Slot;
 
 impl Telemetry<'_> {
-    /// How the flight computer has started, where there is something to say of it: the first texts, before
+    /// Reports how the flight computer has started, if there is something to report: the first texts, before
     /// those of the first tick.
     pub fn note_start(&mut self, report: &RestartReport) {
         let at_us = report.resumed_us;
         if report.start == Start::Cold {
-            // What the copies hold then is not looked at, and may be what memory without a battery makes of
-            // them.
+            // A cold start does not inspect the copies: they may hold arbitrary contents of memory without a
+            // battery.
             self.note(at_us, Event::Cold(report.cause));
             return;
         }
@@ -47,13 +47,13 @@ impl Telemetry<'_> {
         self.note(at_us, how);
     }
 
-    /// The flight computer runs on its internal oscillator, because its crystal did not start: said again and
-    /// again, as the model's effects are.
+    /// Records that the flight computer runs on its internal oscillator, because its crystal did not start.
+    /// It is reported repeatedly, like the model's effects.
     pub const fn note_internal_clock(&mut self) {
         self.clock_is_internal = true;
     }
 
-    /// What is said once.
+    /// Queues a tick's events.
     pub(super) fn note_events(&mut self, report: &TickReport<'_>, now_us: u64) {
         let output = report.output;
         if self.launch != Some(report.input.launch) {
@@ -92,7 +92,7 @@ impl Telemetry<'_> {
         self.note_cross_check(report, now_us);
     }
 
-    /// A wire that is no witness of a launch any more, or is one again.
+    /// Reports a wire that is no longer usable for the launch decision, or is usable again.
     pub(super) fn note_wire(&mut self, wire: Option<WireCondition>, now_us: u64) {
         let was = core::mem::replace(&mut self.wire, wire);
         let is_none = |wire| matches!(wire, Some(WireCondition::Broken | WireCondition::Unreadable));
@@ -129,7 +129,7 @@ impl Telemetry<'_> {
         }
     }
 
-    /// The flag of the cross-check, which there is without a reference only.
+    /// Reports the flag of the cross-check, which exists only without a reference.
     fn note_cross_check(&mut self, report: &TickReport<'_>, now_us: u64) {
         let Some(check) = report.output.cross_check else { return };
         let agreement = check.agreement;

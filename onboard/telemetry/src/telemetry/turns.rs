@@ -8,14 +8,14 @@ use super::{Telemetry, TickReport, send_value};
 use crate::link::{MessageKind, Priority};
 use crate::named::{self, Name};
 
-/// A list of values, and whose turn it is.
+/// A list of values, and the index of the next one.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
     next: usize,
     values: usize,
 }
 
-/// Errors, moving averages and trust of every sensor.
+/// Number of errors, moving averages and trusts of all sensors.
 const ERRORS: usize = 3 * SENSORS;
 const OF_SENSORS: usize = 4 * SENSORS;
 const COEFFICIENTS: usize = OF_SENSORS + MAX_ESTIMATED_EFFECTS;
@@ -29,7 +29,7 @@ impl Turn {
 }
 
 impl Telemetry<'_> {
-    /// Sends the next value of a list that exists: 0 is the errors, 1 everything else.
+    /// Sends the next available value of a list: 0 is the errors, 1 everything else.
     pub(super) fn send_in_turn(&mut self, list: usize, report: &TickReport<'_>, now_ms: u32) {
         let Some(Turn { next, values }) = self.turns.get(list).copied() else { return };
         for step in 0..values {

@@ -1,4 +1,4 @@
-//! Which sensors are there, and which are well.
+//! Detects which sensors are present, and which are healthy.
 
 use kf_core::mission::{Counters, SourceCounters};
 use kf_core::output::{Rejection, Trust};
@@ -7,18 +7,18 @@ use mavlink::dialects::common::MavSysStatusSensor;
 
 use super::TickReport;
 
-/// A sensor that has been silent for longer is not well, milliseconds: the slowest, a receiver, delivers
-/// once a second.
+/// Silence after which a sensor is not healthy, milliseconds: the slowest, a receiver, delivers once a
+/// second.
 const SILENT_AFTER_MS: u32 = 2_500;
 
-/// When each source last delivered, and whether that was of use.
+/// Time at which a source last delivered, and whether that was refused.
 #[derive(Clone, Copy, Debug, Default)]
 struct Source {
     last_ms: Option<u32>,
     refused: bool,
 }
 
-/// Every source that has a bit in SYS_STATUS.
+/// Every source with a bit in SYS_STATUS.
 #[derive(Clone, Copy, Debug)]
 pub struct Watch {
     imu: Source,
@@ -30,8 +30,7 @@ pub struct Watch {
 impl Source {
     const NONE: Self = Self { last_ms: None, refused: false };
 
-    /// A fix that is held is no sample, but neither is it a fault: between fixes a receiver may repeat
-    /// itself.
+    /// A held fix is no sample, but it is no fault either: between fixes a receiver may repeat itself.
     fn take(&mut self, now_ms: u32, is_there: bool, rejection: Option<Rejection>) {
         if is_there && rejection != Some(Rejection::Held) {
             self.last_ms = Some(now_ms);
@@ -61,7 +60,7 @@ impl Watch {
         self.imu_slave.take(now_ms, input.imu_slave_altitude_m.is_some(), slave.rejection);
     }
 
-    /// The bits of the sensors that have ever delivered, and of those that are well.
+    /// The bits of the sensors that have ever delivered, and of those that are healthy.
     pub fn bits(&self, trust: &[Trust; SENSORS], now_ms: u32) -> (MavSysStatusSensor, MavSysStatusSensor) {
         use MavSysStatusSensor as Bit;
         let is_trusted = |sensor: Sensor| trust.get(sensor.index()) != Some(&Trust::Untrustworthy);
@@ -84,8 +83,8 @@ impl Watch {
     }
 }
 
-/// Readings, fixes and signals that the estimator refused: everything that it counts but held fixes, which
-/// are no fault.
+/// Readings, fixes and signals that the estimator refused: all its counts except held fixes, which are no
+/// fault.
 pub fn refused(counters: &Counters) -> u32 {
     let of = |source: &SourceCounters| {
         let refused = [source.not_finite, source.stuck, source.variance, source.gated, source.implausible];

@@ -25,11 +25,11 @@ use super::traces::Traces;
 use super::warnings::warnings;
 use crate::name::Name;
 
-/// Worst stretches listed for each sensor.
+/// Number of worst stretches listed for each sensor.
 const WORST_STRETCHES: usize = 3;
 
-/// Takes a mission's inputs and outputs, tick by tick and in bounded memory (but for one entry a
-/// second of free flight).
+/// Takes a mission's inputs and outputs, tick by tick and in bounded memory (except for one entry a second of
+/// free flight).
 #[derive(Clone, Debug, Default)]
 pub struct Comparator {
     captive: [PhaseStatistics; SENSORS],
@@ -50,19 +50,19 @@ pub struct Comparator {
     traces: Option<Box<Traces>>,
 }
 
-/// What the mission itself knows at its end.
+/// The mission's own results at its end.
 #[derive(Clone, Copy, Debug)]
 pub struct MissionEnd<'a> {
     /// The latched calibration, if there was a launch.
     pub latch: Option<&'a LatchRecord>,
-    /// What was counted.
+    /// The mission's counts.
     pub counters: &'a Counters,
-    /// The model that flew.
+    /// The flown model.
     pub model: &'a Model,
 }
 
 impl Comparator {
-    /// A comparator; `trace_slots` keeps what charts are drawn from, each series with at most so many slots.
+    /// A comparator. `trace_slots` keeps the data of charts, each series with at most this many slots.
     #[must_use]
     pub fn new(trace_slots: Option<usize>) -> Self {
         let traces = trace_slots.map(|slots| Box::new(Traces::new(slots)));
@@ -129,8 +129,8 @@ impl Comparator {
         }
     }
 
-    /// The comparison, without what only the caller knows (the flight's and the model's names, the
-    /// remedies), and the traces if they were kept.
+    /// The comparison, without what only the caller has (the names of flight and model, the remedies), and
+    /// the traces if they were kept.
     #[must_use]
     pub fn finish(
         self,
@@ -164,7 +164,7 @@ impl Comparator {
         (comparison, self.traces)
     }
 
-    /// Seconds after launch.
+    /// Converts a time to seconds after launch.
     fn after_s(&self, time_us: Option<u64>) -> Option<f64> {
         let (time_us, launch_us) = time_us.zip(self.launch_us)?;
         Some(time_us.saturating_sub(launch_us) as f64 * 1e-6)
@@ -224,8 +224,8 @@ impl Comparator {
         model.effects.iter().map(fact).collect()
     }
 
-    /// The rules of the sensors that fly free, one job a sensor: they are the one part whose time
-    /// does not shrink with the flight.
+    /// The rules of the sensors that fly free, one job a sensor: they are the only part whose time does not
+    /// shrink with the flight.
     fn rules(
         &self,
         end: &MissionEnd<'_>,

@@ -1,4 +1,4 @@
-//! What a comparison found: the keys of `pylon compare --json`.
+//! Results of a comparison: the keys of `pylon compare --json`.
 
 use std::collections::BTreeMap;
 
@@ -12,23 +12,23 @@ use super::timeline::Failures;
 use crate::name::Name;
 use replay::Usage;
 
-/// How well a model agrees with a flight. Serialised, a value that does not exist is null, and so is
-/// one that is not finite.
+/// How well a model agrees with a flight. When serialised, a value that does not exist or is not finite is
+/// null.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Comparison {
-    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    /// Version of the meaning of these keys: it changes if a key changes its meaning or is removed.
     pub version: u32,
     /// The flight.
     pub flight: FlightFacts,
     /// The model's name: a preset or a file.
     pub model: String,
-    /// When the UAV was launched, by the flight's own clock, seconds.
+    /// Time of the launch by the flight's own clock, seconds.
     pub launch_s: Option<f64>,
     /// The sensors by name; those without a single reading are left out.
     pub sensors: BTreeMap<Name, SensorComparison>,
-    /// What barometer and inertial altitude said of each other while the reference was lost in free
-    /// flight; null where it never was, or no pair of readings came.
+    /// Cross-check of barometer and inertial altitude while the reference was lost in free flight; null if it
+    /// never was, or if no pair of readings came.
     pub cross_check: Option<CrossCheckFacts>,
     /// The reference.
     pub reference: ReferenceComparison,
@@ -38,13 +38,13 @@ pub struct Comparison {
     pub effects: Vec<EffectFacts>,
     /// The monitor as configured.
     pub monitor: MonitorFacts,
-    /// What the monitor's rule costs and catches, and a better one, by sensor.
+    /// Cost and detection of the monitor's rule, and a better rule, by sensor.
     pub rules: BTreeMap<Name, SensorRules>,
-    /// Section 4's second correction, side by side.
+    /// Section 4's second corrections, side by side.
     pub remedies: Vec<Remedy>,
     /// Where the model fails.
     pub failures: Failures,
-    /// What was in the flight and not used as it stood.
+    /// Data of the flight that was not used unchanged.
     pub warnings: Vec<String>,
 }
 
@@ -53,7 +53,7 @@ impl Comparison {
     pub const VERSION: u32 = 1;
 }
 
-/// Which flight it was.
+/// Identification of the flight.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightFacts {
@@ -61,13 +61,13 @@ pub struct FlightFacts {
     pub file: String,
     /// The vehicle.
     pub vehicle: String,
-    /// Where the flight comes from.
+    /// Origin of the flight.
     pub source: String,
-    /// Rows.
+    /// Number of rows.
     pub rows: u64,
-    /// From the first row to the last, seconds.
+    /// Time from the first row to the last, seconds.
     pub duration_s: f64,
-    /// Which part of it is analysed.
+    /// The part of it that is analysed.
     #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
 }
@@ -78,13 +78,13 @@ pub struct FlightFacts {
 pub struct SensorComparison {
     /// Whether the sensor leaves with the UAV.
     pub flies_free: bool,
-    /// Bias as latched (without a launch: as estimated last), metres.
+    /// Latched bias (without a launch: the last estimate), metres.
     pub bias_m: Option<f64>,
     /// Its standard deviation by the filter, metres.
     pub bias_sigma_m: Option<f64>,
     /// Spread of the calibrated residual in captive flight (Table 1 of the paper), metres.
     pub residual_sigma_m: Option<f64>,
-    /// Root mean square error in captive flight, by the latched bias, metres.
+    /// Root mean square error in captive flight, with the latched bias, metres.
     pub captive_rms_m: Option<f64>,
     /// Root mean square error in free flight, metres.
     pub free_flight_rms_m: Option<f64>,
@@ -96,7 +96,7 @@ pub struct SensorComparison {
     pub untrustworthy_after_s: Option<f64>,
     /// Trust at the flight's end.
     pub trust: Name,
-    /// For how long there was no reference to watch it by, seconds.
+    /// Time without a reference to monitor it, seconds.
     pub unmonitored_s: f64,
     /// The monitor's alarm limit (multiplier times sigma), metres.
     pub bound_m: Option<f64>,
@@ -104,19 +104,19 @@ pub struct SensorComparison {
     pub captive: PhaseSummary,
     /// Free flight.
     pub free_flight: PhaseSummary,
-    /// Readings that were and were not used.
+    /// Counts of readings that were and were not used.
     pub readings: ReadingCounts,
 }
 
-/// Barometer less inertial altitude while the reference was lost, each by its latched bias.
+/// Barometer less inertial altitude while the reference was lost, each with its latched bias.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CrossCheckFacts {
-    /// Pairs of readings.
+    /// Number of pairs of readings.
     pub pairs: u64,
     /// The difference farthest from zero, metres.
     pub largest_difference_m: f64,
-    /// What the two had come to after the last pair: `agree`, `doubtful` or `disagree`.
+    /// Their agreement after the last pair: `agree`, `doubtful` or `disagree`.
     pub agreement: Name,
     /// When they were first doubtful or worse, seconds after launch.
     pub doubtful_after_s: Option<f64>,
@@ -124,7 +124,7 @@ pub struct CrossCheckFacts {
     pub disagree_after_s: Option<f64>,
 }
 
-/// How often a source's readings were used or not.
+/// Counts of a source's readings that were used or not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ReadingCounts {
@@ -132,15 +132,15 @@ pub struct ReadingCounts {
     pub accepted: u32,
     /// NaN or infinite, or an invalid pressure.
     pub not_finite: u32,
-    /// A fix held since the last.
+    /// A fix held since the last one.
     pub held: u32,
-    /// A sensor that repeats itself.
+    /// Readings of a sensor that repeats one value.
     pub stuck: u32,
     /// Refused by the filter.
     pub variance: u32,
-    /// Finite, and no aircraft can be there or do that.
+    /// Finite, but no aircraft can be there or do that.
     pub implausible: u32,
-    /// Outliers: too far from what the filter expected.
+    /// Outliers: too far from the filter's prediction.
     pub gated: u32,
 }
 
@@ -150,7 +150,7 @@ pub struct ReadingCounts {
 pub struct ReferenceComparison {
     /// Innovations of its fixes: bias, spread, whiteness, NIS.
     pub captive: PhaseSummary,
-    /// Fixes that were and were not used.
+    /// Counts of fixes that were and were not used.
     pub fixes: ReadingCounts,
 }
 
@@ -158,23 +158,23 @@ pub struct ReferenceComparison {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CalibrationFacts {
-    /// `good`, `degraded`, or null when nothing was latched.
+    /// `good`, `degraded`, or null if nothing was latched.
     pub quality: Option<Name>,
     /// Names of the checks that failed.
     pub failed_checks: Vec<Name>,
     /// Length of the calibration, seconds.
     pub duration_s: Option<f64>,
-    /// What decided when the captive flight ends.
+    /// What determined the end of captive flight.
     pub source: String,
 }
 
-/// An effect that the model accounts for.
+/// An effect accounted for by the model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct EffectFacts {
     /// Its id in the catalogue.
     pub effect: Name,
-    /// Its coefficient: as estimated by the end of captive flight, or the model's constant.
+    /// Its coefficient: the estimate at the end of captive flight, or the model's constant.
     pub coefficient: f64,
     /// Standard deviation of the coefficient.
     pub sigma: f64,
@@ -182,9 +182,9 @@ pub struct EffectFacts {
     pub unit: Name,
     /// Whether it was estimated.
     pub estimated: bool,
-    /// The range of its regressor that the coefficient was learned in, metres per unit of coefficient.
+    /// The range of its regressor in which the coefficient was learned, metres per unit of coefficient.
     pub envelope_m: Option<[f64; 2]>,
-    /// Ticks at which it was used outside of that range.
+    /// Number of ticks at which it was used outside of that range.
     pub extrapolated_ticks: u32,
 }
 
@@ -194,10 +194,10 @@ pub struct EffectFacts {
 pub struct MonitorFacts {
     /// Where sigma comes from.
     pub sigma: Name,
-    /// Threshold in sigmas.
+    /// Alarm limit in sigmas.
     pub multiplier: f64,
     /// Length of the moving average, seconds.
     pub window_s: f64,
-    /// For how long the error must have been beyond the threshold before a sensor is untrustworthy, seconds.
+    /// How long the error must exceed the alarm limit before a sensor is untrustworthy, seconds.
     pub persistence_s: f64,
 }

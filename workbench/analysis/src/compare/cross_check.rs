@@ -1,4 +1,4 @@
-//! What the sensors said of each other without a reference.
+//! Cross-check of the sensors with each other without a reference.
 
 use kf_core::output::{Agreement, CrossCheckOutput};
 
@@ -29,7 +29,7 @@ impl CrossChecks {
         self.last = Some(check.agreement);
     }
 
-    /// `after_s` turns a time into seconds after launch.
+    /// `after_s` converts a time to seconds after launch.
     pub(super) fn facts(&self, after_s: impl Fn(Option<u64>) -> Option<f64>) -> Option<CrossCheckFacts> {
         self.last.map(|last| CrossCheckFacts {
             pairs: self.pairs,

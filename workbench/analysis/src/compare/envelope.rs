@@ -1,6 +1,6 @@
-//! A long series kept as the range of values in each of a bounded number of time slots.
+//! A long series, kept as the range of its values in each of a bounded number of time slots.
 
-/// Slots at most of a figure on paper.
+/// Largest number of slots for a figure on paper.
 pub const FIGURE_SLOTS: usize = 1_024;
 /// Width of the first slots, microseconds.
 const FIRST_WIDTH_US: u64 = 1_000;
@@ -44,8 +44,8 @@ impl Slot {
     }
 }
 
-/// A series thinned out so that its drawing looks the same: no spike is lost, and memory does not
-/// grow with the series.
+/// A series thinned out so that its drawing looks the same: no spike is lost, and memory does not grow with
+/// the series.
 #[derive(Clone, Debug)]
 pub struct Envelope {
     slots: Vec<Slot>,
@@ -55,8 +55,8 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// Without values. Of more than `capacity` slots (at least 1) neighbours are merged, so that at least
-    /// half as many are left.
+    /// An empty series. If there are more than `capacity` slots (at least 1), neighbours are merged, so that
+    /// at least half as many are left.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
         Self { slots: Vec::new(), capacity: capacity.max(1) as u64, width_us: FIRST_WIDTH_US, start_us: None }

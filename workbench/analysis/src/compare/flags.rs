@@ -1,4 +1,4 @@
-//! When a sensor's trust changed.
+//! Times at which a sensor's trust changed.
 
 use kf_core::output::Trust;
 
@@ -9,7 +9,7 @@ pub(super) struct Flags {
     pub(super) doubtful_us: Option<u64>,
     /// First tick at which it was untrustworthy.
     pub(super) untrustworthy_us: Option<u64>,
-    /// For how long it was not monitored, microseconds.
+    /// Time for which it was not monitored, microseconds.
     pub(super) unmonitored_us: u64,
     /// Trust after the last tick.
     pub(super) last: Option<Trust>,

@@ -1,4 +1,4 @@
-//! How the aircraft moved, second by second, from whatever signals a flight has.
+//! How the aircraft moved, second by second, from whichever signals the flight has.
 
 use kf_core::atmosphere::STANDARD_GRAVITY_MPS2;
 use kf_core::input::{GpsFix, TickInput};
@@ -8,16 +8,16 @@ use serde::{Deserialize, Serialize};
 use super::manoeuvre::Motion;
 use crate::name::Name;
 
-/// Slower than this, the direction of the ground track says nothing, m/s.
+/// Speed below which the direction of the ground track means nothing, m/s.
 const TRACK_SPEED_MPS: f64 = 5.0;
-/// Two fixes further apart than this give no turn rate, seconds.
+/// Longest interval between two fixes that gives a turn rate, seconds.
 const LONGEST_FIX_GAP_S: f64 = 5.0;
-/// A signal is held for this many seconds where it has a gap.
+/// Number of seconds for which a signal is held over a gap.
 const HELD_SECONDS: usize = 10;
-/// Half the base over which altitudes are differenced to a climb rate, seconds.
+/// Half the interval over which altitudes are differenced to a climb rate, seconds.
 const ALTITUDE_BASE: usize = 2;
 
-/// A mean in the making.
+/// A running mean.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mean {
     sum: f64,
@@ -50,7 +50,7 @@ pub(super) struct SignalMeans {
     yaw_rate: Mean,
 }
 
-/// Reads motion off the inputs; keeps what differences need.
+/// Derives motion from the inputs; keeps the state that differences need.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SignalReader {
     last_track: Option<(u64, f64)>,
@@ -91,7 +91,7 @@ impl SignalReader {
         }
     }
 
-    /// Rate of an angle between two readings, the short way round.
+    /// Takes the rate of an angle between two readings, the short way round.
     fn turn(last: &mut Option<(u64, f64)>, time_us: u64, angle: f64, rate: &mut Mean) {
         if !angle.is_finite() {
             return;
@@ -108,22 +108,22 @@ impl SignalReader {
     }
 }
 
-/// Which signal a quantity was read from.
+/// The signal from which each quantity was read.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MotionSources {
-    /// Of the climb rate.
+    /// For the climb rate.
     pub climb_rate: Option<Name>,
-    /// Of the speed.
+    /// For the speed.
     pub speed: Option<Name>,
-    /// Of the load factor.
+    /// For the load factor.
     pub load_factor: Option<Name>,
-    /// Of the turn rate.
+    /// For the turn rate.
     pub turn_rate: Option<Name>,
 }
 
 impl MotionSources {
-    /// What the flight would need for what it does not say.
+    /// Signals that the flight would need for the unknown quantities.
     #[must_use]
     pub fn missing(&self) -> Vec<String> {
         let mut missing = Vec::new();
@@ -146,8 +146,8 @@ impl MotionSources {
     }
 }
 
-/// The motion of every second; a signal of the second best source stands in only where the flight
-/// has none of the best.
+/// The motion of every second. A signal of the second-best source is used only where the flight has none of
+/// the best.
 pub(super) fn motions(seconds: &[SignalMeans]) -> (Vec<Motion>, MotionSources) {
     let any = |signal: fn(&SignalMeans) -> Mean| seconds.iter().any(|means| signal(means).count > 0);
     let series = |signal: fn(&SignalMeans) -> Mean| held(seconds.iter().map(|means| signal(means).get()));
@@ -215,7 +215,7 @@ fn held(series: impl Iterator<Item = Option<f64>>) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Central differences a second over `2 base` seconds, one-sided at the ends.
+/// Central differences per second over `2 base` seconds, one-sided at the ends.
 fn differences(series: &[Option<f64>], base: usize) -> Vec<Option<f64>> {
     (0..series.len())
         .map(|index| {

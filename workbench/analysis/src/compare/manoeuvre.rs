@@ -1,50 +1,50 @@
-//! What an aircraft is doing, by how it moves.
+//! Classifies an aircraft's manoeuvre by its motion.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Climb or descent below this is level flight, m/s.
+/// Largest climb or descent rate in level flight, m/s.
 const LEVEL_MPS: f64 = 2.0;
-/// A descent this steep is a dive: 20 degrees.
+/// Sine of the flattest descent that is a dive: 20 degrees.
 const DIVE_SINE: f64 = 0.342;
-/// A descent this fast is a dive where the speed is not known, m/s.
+/// Slowest descent that is a dive if the speed is not known, m/s.
 const DIVE_MPS: f64 = 15.0;
-/// Slower than this is straight flight: 3 degrees a second.
+/// Largest turn rate in straight flight: 3 degrees a second.
 const TURN_RADPS: f64 = 0.052;
-/// Load factor of a pull-up at least, and of a push-over at most.
+/// Smallest load factor of a pull-up, and largest of a push-over.
 const PULL_UP_LOAD: f64 = 1.4;
 const PUSH_OVER_LOAD: f64 = 0.6;
-/// Slower than this, and level, is standing or hovering, m/s.
+/// Largest speed at rest or in hover, if level, m/s.
 const REST_MPS: f64 = 1.0;
-/// Slower changes of speed are steady flight, m/s^2.
+/// Largest change of speed in steady flight, m/s^2.
 const STEADY_MPS2: f64 = 1.0;
 
-/// How the aircraft moved during one stretch of flight; `None` where the flight does not say.
+/// How the aircraft moved during one stretch of flight; `None` if the flight does not have it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Motion {
     /// Climb rate, m/s, up positive.
     pub climb_rate_mps: Option<f64>,
-    /// Speed, m/s: true airspeed, or else over ground.
+    /// Speed, m/s: true airspeed, or else ground speed.
     pub speed_mps: Option<f64>,
-    /// Its growth, m/s^2.
+    /// Its rate of change, m/s^2.
     pub acceleration_mps2: Option<f64>,
     /// Load factor.
     pub load_factor: Option<f64>,
-    /// Turn rate, rad/s, to the right positive.
+    /// Turn rate, rad/s, positive to the right.
     pub turn_rate_radps: Option<f64>,
 }
 
-/// What the aircraft was doing.
+/// A manoeuvre of the aircraft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Manoeuvre {
     /// Steady, level and straight.
     LevelFlight,
-    /// Level, straight, faster and faster.
+    /// Level and straight, with increasing speed.
     Acceleration,
-    /// Level, straight, slower and slower.
+    /// Level and straight, with decreasing speed.
     Deceleration,
     /// Climbing straight.
     Climb,
@@ -64,7 +64,7 @@ pub enum Manoeuvre {
     DescendingTurn,
     /// Standing, or hovering.
     AtRest,
-    /// The flight has no signal to tell by.
+    /// The flight has no signal to classify it by.
     Unknown,
 }
 
@@ -89,7 +89,7 @@ impl Manoeuvre {
         }
     }
 
-    /// The same in a sentence: "in the dive".
+    /// The name in a sentence: "in the dive".
     #[must_use]
     pub const fn phrase(self) -> &'static str {
         match self {
@@ -109,7 +109,7 @@ impl Manoeuvre {
         }
     }
 
-    /// Names a motion. A signal that is missing leaves out the names that need it.
+    /// Classifies a motion. A missing signal excludes the manoeuvres that need it.
     #[must_use]
     pub fn of(motion: &Motion) -> Self {
         let climb = motion.climb_rate_mps;
@@ -152,7 +152,7 @@ impl Manoeuvre {
 }
 
 impl std::fmt::Display for Motion {
-    /// `climb -38 m/s, 62 m/s, 1.0 g, turning right 5 deg/s`; what is not known is left out.
+    /// `climb -38 m/s, 62 m/s, 1.0 g, turning right 5 deg/s`; unknown quantities are omitted.
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut parts = Vec::new();
         if let Some(climb) = self.climb_rate_mps {
@@ -227,7 +227,7 @@ mod tests {
         );
     }
 
-    /// One signal of four is enough to say something; without any nothing is known.
+    /// One signal of four is enough for a classification; without any, it is unknown.
     #[test]
     fn any_signal_says_something() {
         let none = Motion::default();

@@ -1,8 +1,7 @@
 //! How well a model agrees with a flight.
 //!
-//! The estimator flies over the flight; biases, spreads, whiteness, NIS, flags and their times are
-//! gathered in one pass, and so is *where* the model fails: what the aircraft was doing when the
-//! errors were largest.
+//! The estimator runs over the flight. Biases, spreads, whiteness, NIS, flags and their times are gathered in
+//! one pass, and so is *where* the model fails: the manoeuvres in which the errors were largest.
 
 mod comparator;
 mod comparison;

@@ -1,4 +1,4 @@
-//! What the aircraft was doing over a whole replay, captive flight included.
+//! The aircraft's manoeuvres over a whole replay, captive flight included.
 
 use super::kinematics::{MotionSources, SignalMeans, SignalReader, motions};
 use super::manoeuvre::{Manoeuvre, Motion};
@@ -8,18 +8,18 @@ use replay::Replay;
 /// A replay second by second.
 #[derive(Clone, Debug, Default)]
 pub struct MotionTrack {
-    /// When the first second begins, microseconds.
+    /// Begin of the first second, microseconds.
     pub start_us: u64,
-    /// How the aircraft moved.
+    /// The motion in each second.
     pub motions: Vec<Motion>,
-    /// What that is called; as long as `motions`.
+    /// The manoeuvre in each second; as long as `motions`.
     pub manoeuvres: Vec<Manoeuvre>,
-    /// Which signals it was read from.
+    /// The signals from which it was read.
     pub sources: MotionSources,
 }
 
 impl MotionTrack {
-    /// Of a replay.
+    /// The track of a replay.
     #[must_use]
     pub fn of(replay: &Replay<'_>) -> Self {
         let mut reader = SignalReader::default();

@@ -8,7 +8,7 @@ use statistics::{
     Autocovariance, Consistency, Correlator, Moments, NisSummary, ResidualModel, RobustSpread, Whiteness,
 };
 
-/// Errors and innovations of one source in one phase, in one pass.
+/// Accumulates errors and innovations of one source in one phase, in one pass.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PhaseStatistics {
     moments: Moments,
@@ -19,21 +19,21 @@ pub(super) struct PhaseStatistics {
     span_us: Option<(u64, u64)>,
 }
 
-/// What a sensor's errors were like in one phase. A value that the readings cannot give is `None`.
+/// Statistics of a sensor's errors in one phase. A value that the readings cannot give is `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct PhaseSummary {
-    /// Readings that had a reference to be compared with.
+    /// Number of readings that had a reference to compare with.
     pub readings: u64,
     /// Time from the first of them to the last, seconds.
     pub duration_s: f64,
-    /// Mean error (eq. 16, by the latched calibration), metres.
+    /// Mean error (eq. 16, with the latched calibration), metres.
     pub bias_m: Option<f64>,
-    /// Standard error of that mean under the errors' own autocorrelation, metres.
+    /// Standard error of that mean, with the errors' own autocorrelation, metres.
     pub bias_standard_error_m: Option<f64>,
     /// Standard deviation of the error, metres.
     pub spread_m: Option<f64>,
-    /// The same by the median absolute deviation, which a few outliers do not move, metres.
+    /// The same from the median absolute deviation, which a few outliers do not move, metres.
     pub robust_spread_m: Option<f64>,
     /// Root mean square of the error, metres.
     pub rms_m: Option<f64>,
@@ -67,8 +67,8 @@ impl PhaseStatistics {
         self.innovations.push(signed.abs().sqrt().copysign(signed));
     }
 
-    /// Takes a sensor's captive output. The bias estimate of that moment is put back, so that every
-    /// residual is about the same origin however the estimate moved.
+    /// Takes a sensor's captive output. The bias estimate of that moment is added back, so that all residuals
+    /// have about the same origin however the estimate moved.
     #[inline]
     pub(super) fn take_captive(&mut self, time_us: u64, output: &SensorOutput) {
         if let Some(error_m) = output.error_m {
@@ -83,12 +83,12 @@ impl PhaseStatistics {
         self.moments.count()
     }
 
-    /// Mean of what was taken, metres.
+    /// Mean of the errors taken, metres.
     pub(super) fn mean_m(&self) -> Option<f64> {
         self.moments.mean()
     }
 
-    /// Standard deviation of what was taken, metres.
+    /// Standard deviation of the errors taken, metres.
     pub(super) fn spread_m(&self) -> Option<f64> {
         self.moments.standard_deviation()
     }

@@ -1,4 +1,4 @@
-//! The paper's section 4: what a second correction in free flight would have done.
+//! Effect of a second correction in free flight (the paper's section 4).
 
 use kf_core::output::{Phase, TickOutput};
 use kf_core::sensor::{SENSORS, Sensor};
@@ -9,7 +9,7 @@ use super::flags::Flags;
 use crate::name::Name;
 use statistics::Moments;
 
-/// Errors of free flight under one second correction.
+/// Errors in free flight with one second correction.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RemedyTally {
     errors: [Moments; SENSORS],
@@ -17,7 +17,7 @@ pub(super) struct RemedyTally {
     launch_us: Option<u64>,
 }
 
-/// What a second correction did for one sensor.
+/// Result of a second correction for one sensor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct RemedyFigures {
@@ -59,7 +59,7 @@ impl RemedyTally {
         }
     }
 
-    /// The figures, under the name of the correction.
+    /// The figures, with the name of the correction.
     pub(super) fn figures(&self, second_correction: &'static str) -> Remedy {
         let after_s = |time_us: Option<u64>| {
             let (time_us, launch_us) = time_us.zip(self.launch_us)?;

@@ -1,4 +1,4 @@
-//! The monitor's rule for each sensor's own residual, and a better one.
+//! Judges the monitor's rule by each sensor's own residual, and recommends a better one.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,19 +7,19 @@ use statistics::{
     Fault, HealthyLaunches, MonitorRule, ResidualModel, RuleQuality, RuleSearch, assess_rule, recommend_rule,
 };
 
-/// Shortest and longest moving average that is recommended, seconds.
+/// Shortest and longest moving average that may be recommended, seconds.
 const WINDOWS_S: (f64, f64) = (0.1, 60.0);
-/// Unless asked otherwise, the step that is to be detected, in sigmas of the captive residual.
+/// Default step to detect, in sigmas of the captive residual.
 const STEP_SIGMAS: f64 = 5.0;
-/// Unless asked otherwise, the ramp: one sigma in this many seconds.
+/// Default ramp: one sigma in this many seconds.
 const RAMP_SECONDS_PER_SIGMA: f64 = 10.0;
 
-/// What the rules are to be judged by.
+/// Criteria for the rules.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RuleRequirements {
-    /// False alarms an hour that a recommended rule may cost.
+    /// Largest false-alarm rate of a recommended rule, per hour.
     pub false_alarms_per_hour: f64,
-    /// The step that is to be detected, metres; `None`: five sigmas of the captive residual.
+    /// The step to detect, metres; `None`: five sigmas of the captive residual.
     pub step_m: Option<f64>,
     /// The ramp, m/s; `None`: one sigma of the captive residual in ten seconds.
     pub ramp_mps: Option<f64>,
@@ -31,28 +31,28 @@ impl Default for RuleRequirements {
     }
 }
 
-/// The rule that is set and the one that is recommended, for one sensor.
+/// The configured rule and the recommended one, for one sensor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorRules {
     /// The residual's stochastic model, fitted to its autocovariance in captive flight.
     pub residual: ResidualModel,
-    /// The rule that flew.
+    /// The rule that was flown.
     pub set: Option<RuleQuality>,
     /// The rule that detects the step soonest at the wanted false-alarm rate.
     pub recommended: Option<Recommendation>,
-    /// The wanted rate of false alarms, per hour.
+    /// The wanted false-alarm rate, per hour.
     pub wanted_false_alarms_per_hour: f64,
 }
 
 impl SensorRules {
-    /// The step that the rules were judged by.
+    /// The step by which the rules were judged.
     #[must_use]
     pub fn step(&self) -> Option<Fault> {
         Some(self.quality()?.delays.first()?.fault)
     }
 
-    /// The ramp that the rules were judged by.
+    /// The ramp by which the rules were judged.
     #[must_use]
     pub fn ramp(&self) -> Option<Fault> {
         Some(self.quality()?.delays.get(1)?.fault)
@@ -71,17 +71,17 @@ pub struct Recommendation {
     pub multiplier: f64,
     /// Value for `[monitor] window_s`.
     pub window_s: f64,
-    /// Whether it detects the step nine times in ten; if not, no rule does at that false-alarm rate,
-    /// and this one detects the smallest step.
+    /// Whether it detects the step nine times in ten. If not, no rule does at that false-alarm rate, and this
+    /// one detects the smallest step.
     pub detects_step: bool,
     /// The smallest step that it detects nine times in ten, metres.
     pub smallest_step_m: f64,
-    /// What it costs and catches.
+    /// Its false alarms and its detection.
     pub quality: RuleQuality,
 }
 
-/// Judges the rule of one sensor. `bound_m` is the bound that flew, `multiplier` sigmas of it;
-/// `persistence_s` is the model's.
+/// Judges the rule of one sensor. `bound_m` is the flown alarm limit, `multiplier` sigmas; `persistence_s` is
+/// the model's.
 pub(super) fn judge(
     residual: ResidualModel,
     bound_m: Option<f64>,

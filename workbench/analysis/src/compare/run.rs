@@ -1,4 +1,4 @@
-//! Flies a model over a flight and compares.
+//! Flies a model over a flight and compares the two.
 
 use executor::Executor;
 use kf_core::config::SecondCorrection;
@@ -17,25 +17,26 @@ use replay::{
     AnyMission, CalibrationSource, Flown, Observer, Replay, ReplayError, ReplaySummary, Usage, mission,
 };
 
-/// Progress is reported once in this many rows.
+/// Number of rows between reports of progress.
 const ROWS_PER_REPORT: u64 = 1 << 14;
 
-/// What a comparison is to do.
+/// Options of a comparison.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// Keep what charts are drawn from, each series with at most so many slots of time.
+    /// Keeps the data of charts, each series with at most this many time slots.
     pub trace_slots: Option<usize>,
-    /// What the monitor's rules are judged by.
+    /// Criteria for the monitor's rules.
     pub requirements: RuleRequirements,
 }
 
-/// Flies the replay's model over its flight and compares; `progress` is told how many rows are done.
+/// Flies the replay's model over its flight and compares the two. `progress` receives the number of rows
+/// done.
 ///
-/// The names of the flight's file and of the model are the caller's to fill in. What comes out is the same
-/// whatever the executor.
+/// The caller fills in the names of the flight's file and of the model. The result does not depend on the
+/// executor.
 ///
 /// # Errors
-/// [`ReplayError`] for a model that no mission can be made of.
+/// [`ReplayError`] if no mission can be made from the model.
 pub fn compare(
     replay: &Replay<'_>,
     options: &Options,
@@ -46,30 +47,30 @@ pub fn compare(
     Ok((compared.comparison, compared.traces))
 }
 
-/// Who else looks on while a comparison passes over a flight.
+/// Others that observe the flight in the same pass as the comparison.
 #[derive(Default)]
 pub struct Companions<'a> {
-    /// Is shown every output of the model that is compared.
+    /// Called with every output of the compared model.
     pub output: Option<&'a mut (dyn FnMut(&TickOutput) + Send)>,
-    /// See the ticks.
+    /// Observers of the ticks.
     pub observers: Vec<&'a mut dyn Observer>,
 }
 
-/// A comparison, and what its mission left behind.
+/// A comparison, and its mission's results.
 #[derive(Debug)]
 pub struct Compared {
     /// The comparison.
     pub comparison: Comparison,
-    /// What charts are drawn from, if it was to be kept.
+    /// Data of the charts, if it was to be kept.
     pub traces: Option<Box<Traces>>,
-    /// Of the mission.
+    /// Summary of the mission.
     pub summary: ReplaySummary,
 }
 
-/// As [`compare`], with others who need the same ticks: the flight is passed over once for all of them.
+/// As [`compare`], with others that need the same ticks: one pass over the flight serves all of them.
 ///
 /// # Errors
-/// [`ReplayError`] for a model that no mission can be made of.
+/// [`ReplayError`] if no mission can be made from the model.
 pub fn compare_with(
     replay: &Replay<'_>,
     options: &Options,
@@ -141,7 +142,7 @@ const fn name(correction: &SecondCorrection) -> &'static str {
     }
 }
 
-/// A second correction that is not the one that flies.
+/// A run with another second correction than the flown one.
 struct RemedyRun {
     name: &'static str,
     mission: Box<dyn AnyMission>,
@@ -156,7 +157,7 @@ impl Observer for RemedyRun {
     }
 }
 
-/// Section 4's second corrections other than the one that flies, side by side over the same ticks.
+/// Section 4's second corrections other than the flown one, side by side over the same ticks.
 fn remedies(replay: &Replay<'_>) -> Result<Vec<RemedyRun>, ReplayError> {
     let mut runs = Vec::new();
     if !has_launch(replay) {
@@ -174,7 +175,7 @@ fn remedies(replay: &Replay<'_>) -> Result<Vec<RemedyRun>, ReplayError> {
     Ok(runs)
 }
 
-/// Whether anything is flown free: before launch every second correction does the same, which is nothing.
+/// Whether there is free flight: before launch no second correction does anything.
 fn has_launch(replay: &Replay<'_>) -> bool {
     match replay.source() {
         CalibrationSource::LaunchColumn => {
@@ -201,7 +202,7 @@ mod tests {
         has_launch(&replay)
     }
 
-    /// A launch column that never says a launch has none.
+    /// A launch column that is never set has no launch.
     #[test]
     fn a_column_of_zeros_is_no_launch() {
         assert!(is_launched("1") && !is_launched("0"));

@@ -1,4 +1,4 @@
-//! Free flight second by second, and the stretches of it in which the model fails.
+//! Free flight second by second, and the stretches in which the model fails.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use super::kinematics::{MotionSources, SignalMeans, SignalReader, motions};
 use super::manoeuvre::{Manoeuvre, Motion};
 use crate::name::Name;
 
-/// Shorter runs of one manoeuvre are counted to the one before them, seconds.
+/// Length of the shortest run of one manoeuvre, seconds. Shorter ones join the run before them.
 const SHORTEST_RUN: usize = 2;
-/// Runs are cut into pieces of this length or less, seconds.
+/// Longest piece of a run, seconds.
 const LONGEST_PIECE: usize = 5;
-/// A stretch grows over neighbouring pieces of one manoeuvre whose rms error is at least this share
-/// of its worst piece's.
+/// A stretch extends over neighbouring pieces of one manoeuvre whose rms error is at least this share of its
+/// worst piece's.
 const SIMILAR_SHARE: f64 = 0.7;
 
 /// Sums of one sensor's errors.
@@ -66,7 +66,7 @@ pub(super) struct Timeline {
     reader: SignalReader,
 }
 
-/// A stretch of flight in which the aircraft did one thing.
+/// A stretch of flight with one manoeuvre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Stretch {
@@ -74,7 +74,7 @@ pub struct Stretch {
     pub from_s: f64,
     /// See [`Self::from_s`].
     pub to_s: f64,
-    /// What the aircraft was doing.
+    /// The manoeuvre.
     pub doing: Manoeuvre,
     /// How it moved, on average.
     pub motion: Motion,
@@ -84,17 +84,17 @@ pub struct Stretch {
     pub mean_m: f64,
     /// Root mean square error, metres.
     pub rms_m: f64,
-    /// Share of the sensor's squared error over the whole of free flight.
+    /// Share of the sensor's squared error over all of free flight.
     pub share_of_squared_error: f64,
 }
 
-/// Errors in all that was flown of one manoeuvre.
+/// Errors in all stretches of one manoeuvre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ManoeuvreErrors {
-    /// What the aircraft was doing.
+    /// The manoeuvre.
     pub doing: Manoeuvre,
-    /// For how long, in all, seconds.
+    /// Total duration, seconds.
     pub seconds: f64,
     /// How it moved, on average.
     pub motion: Motion,
@@ -108,11 +108,11 @@ pub struct ManoeuvreErrors {
 pub struct Failures {
     /// For each sensor the stretches of largest rms error, worst first.
     pub worst: Vec<Stretch>,
-    /// Errors by manoeuvre, in the order of their first appearance in [`Manoeuvre`].
+    /// Errors by manoeuvre, in the order of [`Manoeuvre`].
     pub by_manoeuvre: Vec<ManoeuvreErrors>,
-    /// Which signals the motion was read from.
+    /// The signals from which the motion was read.
     pub sources: MotionSources,
-    /// What the flight would need for what it does not say.
+    /// Signals that the flight would need for the unknown quantities.
     pub missing: Vec<String>,
 }
 
@@ -201,7 +201,7 @@ impl Timeline {
     }
 }
 
-/// Counts runs shorter than [`SHORTEST_RUN`] to the run before them.
+/// Joins runs shorter than [`SHORTEST_RUN`] to the run before them.
 pub(super) fn without_short_runs(mut names: Vec<Manoeuvre>) -> Vec<Manoeuvre> {
     let mut start = 0;
     while start < names.len() {
@@ -230,8 +230,8 @@ fn pieces(names: &[Manoeuvre]) -> Vec<Range<usize>> {
     pieces
 }
 
-/// The `count` worst pieces, each grown over its neighbours of the same manoeuvre and similar error;
-/// worst first.
+/// The `count` worst pieces, each extended over its neighbours of the same manoeuvre and similar error; worst
+/// first.
 fn worst_stretches(
     pieces: &[Range<usize>],
     names: &[Manoeuvre],

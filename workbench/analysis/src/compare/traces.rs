@@ -1,4 +1,4 @@
-//! What a flight's charts are drawn from: the paper's figures, and measured against modelled.
+//! Data of a flight's charts: the paper's figures, and measured against modelled values.
 
 use kf_core::input::TickInput;
 use kf_core::output::{Phase, TickOutput};
@@ -7,7 +7,7 @@ use replay::reading_m;
 
 use super::envelope::{Envelope, FIGURE_SLOTS};
 
-/// An estimate and the standard deviation the filter gives it.
+/// An estimate and its standard deviation by the filter.
 #[derive(Clone, Debug)]
 pub struct EstimateTrace {
     /// The estimate, metres.
@@ -19,7 +19,7 @@ pub struct EstimateTrace {
 /// A sensor's readings against the model's prediction of them, over captive and free flight.
 #[derive(Clone, Debug)]
 pub struct ModelTrace {
-    /// The reading as an altitude, metres; only of ticks that have an error.
+    /// The reading as an altitude, metres; only at ticks with an error.
     pub measured_m: Envelope,
     /// The model's prediction of it, metres.
     pub modelled_m: Envelope,
@@ -42,12 +42,12 @@ pub struct Traces {
     pub free_error_m: [Envelope; SENSORS],
     /// Their moving averages, metres.
     pub moving_average_m: [Envelope; SENSORS],
-    /// Readings against predictions.
+    /// Readings and the model's predictions of them.
     pub against_model: [ModelTrace; SENSORS],
 }
 
 impl Traces {
-    /// Without a tick; of each series at most that many slots, of estimates, which are smooth, at most
+    /// Empty traces. Each series has at most that many slots; the estimates, which are smooth, at most
     /// [`FIGURE_SLOTS`].
     #[must_use]
     pub fn new(slots: usize) -> Self {

@@ -1,4 +1,4 @@
-//! What was in a flight and could not be used as it stood.
+//! Warnings about data of a flight that could not be used unchanged.
 
 use kf_core::mission::Counters;
 use model::Model;
@@ -48,7 +48,7 @@ pub(super) fn input_warnings(summary: &InputSummary) -> Vec<String> {
     lines
 }
 
-/// One line for each effect of the model that the flight has not the columns for.
+/// One line for each effect of the model for which the flight lacks columns.
 pub(super) fn effect_warnings(model: &Model, flight: &Flight) -> Vec<String> {
     let lacking = model.effects.iter().filter_map(|effect| {
         let id = effect.term.id();
@@ -60,7 +60,7 @@ pub(super) fn effect_warnings(model: &Model, flight: &Flight) -> Vec<String> {
     lacking.chain(column_notes(flight, model)).collect()
 }
 
-/// One line for each kind of input that was refused or is missing, with its number.
+/// One line for each kind of input that was refused or is missing, with its count.
 pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     let mut count = |count: u32, one: &str, many: &str| match count {

@@ -1,17 +1,17 @@
-//! What the parts of a flight are called: one without a launch has no captive flight.
+//! Names of the parts of a flight: a flight without a launch has no captive flight.
 
 use super::comparison::Comparison;
 
-/// Names of the phases, and of what parts them.
+/// Names of the phases, and of the event between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Words {
-    /// While it is calibrated.
+    /// The phase of the calibration.
     pub before: &'static str,
-    /// Afterwards.
+    /// The phase after it.
     pub after: &'static str,
-    /// What is left over while it is calibrated.
+    /// The residual during the calibration.
     pub residual: &'static str,
-    /// What times are counted from.
+    /// The event from which times are counted.
     pub event: &'static str,
     /// The axis of such times.
     pub time_after: &'static str,

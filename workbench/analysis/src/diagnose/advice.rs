@@ -1,4 +1,4 @@
-//! What to fly to tell effects apart, or to see them at all: the manoeuvre that adds most to the
+//! Advises what to fly to distinguish effects, or to see them at all: the manoeuvre that adds most to the
 //! information matrix.
 
 use std::sync::Arc;
@@ -18,17 +18,17 @@ use super::series::Series;
 /// Length of a block, seconds.
 pub const BLOCK_S: f64 = 0.5;
 
-/// A manoeuvre and what it would tell.
+/// A manoeuvre and its worth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Advice {
     /// What to fly.
     pub manoeuvre: String,
-    /// How far apart it would bring the two effects that are hardest to tell apart, or how sure it would make
-    /// the effects that can't be seen: sigmas.
+    /// Separation of the two effects that are hardest to distinguish, or certainty of the effects that cannot
+    /// be seen, after this manoeuvre: sigmas.
     pub sigmas: f64,
 }
 
-/// The manoeuvre that tells a set of effects best apart; `sizes` are their fitted coefficients.
+/// The manoeuvre that best distinguishes a set of effects; `sizes` are their fitted coefficients.
 #[must_use]
 pub fn to_separate(
     problem: &Problem<'_>,
@@ -49,7 +49,7 @@ pub fn to_separate(
     })
 }
 
-/// The manoeuvre that shows most of the effects that a flight could not show.
+/// The manoeuvre that best shows the effects that a flight could not show.
 #[must_use]
 pub fn to_see(
     problem: &Problem<'_>,
@@ -65,14 +65,15 @@ pub fn to_see(
             let size = plausible.iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())));
             let sigma =
                 information.solve(&[position]).and_then(|one| one.covariance.first().map(|v| v.sqrt()));
-            // An effect counts in full from five sigmas on.
+            // An effect counts fully from five sigmas on.
             shown += sigma.map_or(0.0, |sigma| (size / sigma / 5.0).min(1.0));
         }
         Some(shown)
     })
 }
 
-/// Squares by which a wrong effect's fit would be worse, the right one's coefficient being `size`.
+/// Increase of the sum of squares with the wrong effect `b`, if the right effect `a` has the coefficient
+/// `size`.
 fn apart(information: &Information, a: usize, b: usize, size: f64) -> Option<f64> {
     let alone = information.solve(&[a])?;
     let left = 1.0 / alone.covariance.first()?;
@@ -101,7 +102,7 @@ fn best(
     best.map(|(sigmas, manoeuvre)| Advice { manoeuvre: manoeuvre.say(trim), sigmas })
 }
 
-/// A manoeuvre's blocks, with the columns of `set`; the residuals are of no interest.
+/// A manoeuvre's blocks, with the columns of `set`; the residuals do not matter.
 pub fn flown(ticks: &[TickInput], candidates: &[Candidate], set: &[usize], problem: &Problem<'_>) -> Series {
     let has: [bool; SENSORS] = std::array::from_fn(|i| problem.flights.iter().any(|flight| flight.has(i)));
     let mut tracker = SignalTracker::default();

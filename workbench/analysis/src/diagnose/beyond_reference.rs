@@ -1,16 +1,16 @@
-//! The reference's own error, told from the sensors'.
+//! Separates the reference's own error from the sensors'.
 //!
-//! An error is a reading less the reference, so that the reference's wander is in the errors of all sensors
-//! alike. With the noise that a diagnosis found, the most probable wander at every instant is a Kalman
-//! smoother's (Rauch, Tung and Striebel, "Maximum likelihood estimates of linear dynamic systems", AIAA
-//! Journal 3, 1965) over the errors of the whole flight.
+//! An error is a reading less the reference, so the reference's wander is in the errors of all sensors alike.
+//! With the noise that a diagnosis found, a Kalman smoother over the errors of the whole flight gives the
+//! most probable wander at every instant (Rauch, Tung and Striebel, "Maximum likelihood estimates of linear
+//! dynamic systems", AIAA Journal 3, 1965).
 
 use kf_core::sensor::{SENSORS, Sensor};
 use nalgebra::{SMatrix, SVector};
 
 use super::diagnosis::NoiseFacts;
 
-/// The reference's wander, and each sensor's own.
+/// Number of states: the reference's wander, and each sensor's own.
 const STATES: usize = 1 + SENSORS;
 type State = SVector<f64, STATES>;
 type Covariance = SMatrix<f64, STATES, STATES>;
@@ -18,15 +18,15 @@ type Covariance = SMatrix<f64, STATES, STATES>;
 /// Errors within one slot of time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorSlot {
-    /// When, seconds; increasing from slot to slot.
+    /// Time of the slot, seconds; increasing from slot to slot.
     pub time_s: f64,
     /// Mean error of each sensor, metres; `None` without a reading.
     pub mean_m: [Option<f64>; SENSORS],
-    /// Variance of that mean's fast noise, square metres, the fix's included.
+    /// Variance of the fast noise of that mean, including the fix's, square metres.
     pub variance_m2: [f64; SENSORS],
 }
 
-/// The reference's wander as it is in every error, metres, and one sigma of it, slot by slot.
+/// The reference's wander as it enters every error, metres, and its sigma, slot by slot.
 #[must_use]
 pub fn reference_wander(slots: &[ErrorSlot], noise: &NoiseFacts) -> Vec<(f64, f64)> {
     let processes = processes(noise);
@@ -79,7 +79,7 @@ pub fn reference_wander(slots: &[ErrorSlot], noise: &NoiseFacts) -> Vec<(f64, f6
     smoothed
 }
 
-/// Sigma (m) and correlation time (s) of each state; a sensor without a wander of its own has hardly any.
+/// Sigma (m) and correlation time (s) of each state; negligible for a sensor without a wander of its own.
 fn processes(noise: &NoiseFacts) -> [(f64, f64); STATES] {
     const HARDLY_M: f64 = 1e-3;
     let usable =
@@ -144,8 +144,8 @@ mod tests {
         let square = |x: f64| x * x;
         let left = found.iter().zip(&truth).map(|((mean, _), truth)| square(mean - truth)).sum::<f64>()
             / SLOTS as f64;
-        // Its own sigma is what it is off by. Errors are correlated over some ten slots: of 400 independent
-        // squares the mean is within 0.07 of 1, one sigma.
+        // The error of the estimate matches its own sigma. Errors are correlated over about ten slots: the
+        // mean of 400 independent squares is within 0.07 of 1, one sigma.
         let normalised = found
             .iter()
             .zip(&truth)

@@ -1,4 +1,4 @@
-//! Ticks gathered into blocks, and the blocks' means.
+//! Gathers ticks into blocks, and computes the blocks' means.
 
 use std::sync::Arc;
 
@@ -19,17 +19,17 @@ use super::signals::{NAMES, SignalMeans, offered};
 use super::smoothed_climb::SmoothedClimb;
 use replay::Replay;
 
-/// A flight has at most about this many blocks; a longer one has longer blocks.
+/// Largest number of blocks of a flight, approximately; a longer flight has longer blocks.
 const MOST_BLOCKS: f64 = 2000.0;
-/// Shortest block, seconds. Means over a second keep what an airframe does and average out most of the
-/// noise of the signals that regressors are made of: a regressor with noise in it fits worse than a
-/// wrong one without, the sharper the likelihood looks at fast errors.
+/// Shortest block, seconds. Means over a second keep an airframe's motion and average out most of the noise
+/// of the signals in regressors. A noisy regressor fits worse than a wrong one without noise, the more so the
+/// more the likelihood weights fast errors.
 const SHORTEST_BLOCK_S: f64 = 1.0;
 const GRAVITY_MPS2: f64 = kf_core::atmosphere::STANDARD_GRAVITY_MPS2 as f64;
-/// A column that lacks more than this share of its values is not available.
+/// Largest share of missing values of an available column.
 const MOST_MISSING: f64 = 0.1;
 
-/// The block that is being filled.
+/// The block being filled.
 struct Open {
     key: (bool, i64),
     time_s: f64,
@@ -38,8 +38,8 @@ struct Open {
     residual_sum: BySensor,
     readings: [u32; SENSORS],
     column_sums: Vec<f64>,
-    /// Sum and number of the load factor's regressors of all ticks: between the barometer's readings there
-    /// are several of the accelerometer, and vibration is in every single one.
+    /// Sum and number of the load factor's regressors at all ticks: between two readings of the barometer
+    /// there are several of the accelerometer, and each contains vibration.
     load_factor: (f64, u32),
 }
 
@@ -47,9 +47,9 @@ pub(super) struct Builder {
     path: ReferencePath,
     climb: SmoothedClimb,
     block_s: f64,
-    /// Which sensors each candidate acts on: one, or all for the reference.
+    /// The sensors on which each candidate acts: one, or all for the reference.
     acts_on: Vec<[bool; SENSORS]>,
-    /// How late each candidate's signal is taken to be, seconds.
+    /// Assumed lateness of each candidate's signal, seconds.
     late_s: Vec<f32>,
     load_factor_column: Option<usize>,
     open: Option<Open>,
@@ -198,7 +198,7 @@ impl Builder {
             if Some(c) != self.load_factor_column {
                 self.noise[c].take(regressor_m);
             }
-            // An error of the reference enters the residual with the other sign.
+            // An error of the reference enters the residual with the opposite sign.
             let sign = if candidate.sensor().is_none() { -1.0 } else { 1.0 };
             for i in 0..SENSORS {
                 if acts_on[i] && readings[i].is_some() {
@@ -217,7 +217,8 @@ impl Builder {
         let mean = |sum: f64, count: u32| if count > 0 { sum / f64::from(count) } else { f64::NAN };
         let series = &mut self.series;
         series.time_s.push(open.time_s / f64::from(open.ticks));
-        // A block shorter than the fixes' interval, or between two fixes, rests on part of one.
+        // A block that is shorter than the fixes' interval, or between two fixes, contains only part of a
+        // fix.
         let part = self.block_s / self.path.interval_s().max(1e-3);
         series.fixes.push(if open.fixes > 0 { f64::from(open.fixes) } else { part.min(1.0) });
         series.free.push(open.key.0);

@@ -1,4 +1,4 @@
-//! The candidates: every effect of the catalogue, and where a time constant is unknown, a grid of it.
+//! The candidates: every effect of the catalogue, with a grid of time constants where these are unknown.
 
 use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
 use kf_core::sensor::Sensor;
@@ -8,30 +8,29 @@ use super::signal_errors::{SignalError, errors};
 use super::smoothed_climb::SMOOTHINGS_S;
 use super::wanted_effect::Tried;
 
-/// Time constants that are tried, seconds: a factor of three apart, between which a fitted exponential
+/// Time constants that are tried, seconds: a factor of three apart. Between two of them a fitted exponential
 /// differs from the true one by some per cent of its size.
 const TIME_CONSTANTS_S: [f32; 6] = [3.0, 10.0, 30.0, 90.0, 270.0, 800.0];
 
-/// One column: an effect, with a time constant where it has one, or with a shape of its lag.
+/// One column: an effect, with a time constant if it has one, or with a shape of its lag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// The effect and the constants of its regressor.
     pub regressor: Regressor,
-    /// Time constant of the low pass that the climb rate of a lag went through, seconds; 0 as the catalogue
-    /// has it.
+    /// Time constant of the low pass of a lag's climb rate, seconds; 0 as in the catalogue.
     pub smoothing_s: f32,
-    /// What its signal is taken to be wrong by.
+    /// Assumed error of its signal.
     pub signal: SignalError,
 }
 
 impl Candidate {
-    /// One in the catalogue's own shape.
+    /// A candidate in the catalogue's own shape.
     #[must_use]
     pub fn of(regressor: Regressor) -> Self {
         Self { regressor, smoothing_s: 0.0, signal: SignalError::default() }
     }
 
-    /// Whether its regressor is the catalogue's own, which is the one that flies.
+    /// Whether its regressor is the catalogue's own, which is the one that is flown.
     #[must_use]
     pub fn is_catalogues(&self) -> bool {
         *self == Self::of(self.regressor)
@@ -43,7 +42,7 @@ impl Candidate {
         self.regressor.id
     }
 
-    /// The sensor that it acts on; `None` for the reference, and so for all.
+    /// The sensor on which it acts; `None` for the reference, and so for all.
     #[must_use]
     pub const fn sensor(&self) -> Option<Sensor> {
         match self.regressor.id.subject() {
@@ -55,11 +54,11 @@ impl Candidate {
 
 /// Every candidate of the catalogue, and of the model's own effects.
 ///
-/// Where the climb rate is not measured it is the slope of the reference's own altitude, and its noise is the
-/// residual's. As a pure delay that does not matter: a slope is odd in time, and what it shares with a noise
-/// before an instant it takes back after it, whatever the noise's spectrum. A low pass has an even part as
-/// well, with which it explains noise: two of them, large and opposite, make a lag and a latency of nothing.
-/// So delays are then tried as the catalogue has them, and no other way.
+/// If the climb rate is not measured, it is the slope of the reference's own altitude, and its noise is the
+/// residual's. For a pure delay this does not matter: a slope is odd in time, so what it shares with the
+/// noise before an instant cancels with what it shares after it, whatever the noise's spectrum. A low pass
+/// also has an even part, which fits noise: two of them, large and opposite, make a false lag and a false
+/// latency. Delays are then tried only as in the catalogue.
 #[must_use]
 pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
     let smoothings_s = if has_climb_rate { SMOOTHINGS_S.as_slice() } else { &SMOOTHINGS_S[..1] };
@@ -70,7 +69,7 @@ pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
             candidates.push(Candidate { smoothing_s, ..Candidate::of(regressor) });
         };
         if id.has_time_constant() {
-            // A formula says itself when its time begins.
+            // A formula defines itself when its time begins.
             let clocks =
                 if id.formula().is_some() { &[Clock::Launch][..] } else { &[Clock::Launch, Clock::Start] };
             for since in clocks.iter().copied() {
@@ -93,8 +92,8 @@ pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
     candidates
 }
 
-/// What a diagnosis or a study tries, the whole catalogue or what is to be tried of it, without what the
-/// model has already; and the effects that it has, and is not sure of.
+/// What a diagnosis or a study tries: the whole catalogue, or the requested part of it, without the model's
+/// effects; and those effects of the model whose coefficients are uncertain.
 pub(super) fn candidates(
     model: &Model,
     has_climb_rate: bool,

@@ -1,18 +1,18 @@
-//! What is believed of a coefficient before a flight.
+//! What is assumed of a coefficient before a flight.
 
 use kf_core::effect::EffectId;
 use statistics::normal_above;
 
-/// The chance that a coefficient is none that nature makes: of a broken part, or of something that only looks
-/// like the effect.
+/// Probability that a coefficient is outside the physical range: of a broken part, or of something that only
+/// looks like the effect.
 const BEYOND: f64 = 0.01;
-/// How far such a one reaches, in ranges' largest.
+/// How far such a coefficient reaches, in multiples of the range's largest magnitude.
 const REACH: f64 = 10.0;
 
-/// A coefficient: half of what is believed of it is what such sensors mostly have, a normal distribution
-/// about zero, and half that nature allows all of its range alike. Both are cut at the range, signs included.
-/// One in a hundred is beyond it, so that what no effect can be is said to be that, and does not go to the
-/// next best.
+/// The prior of a coefficient. Half of it is a normal distribution about zero, which most sensors follow, and
+/// half is uniform over the physical range. Both are cut at the range, signs included. One hundredth lies
+/// beyond the range, so that what no effect can cause is reported as such and is not given to the next best
+/// effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoefficientPrior {
     range: [f64; 2],
@@ -20,14 +20,14 @@ pub struct CoefficientPrior {
 }
 
 impl CoefficientPrior {
-    /// Of an effect, with the range that nature allows.
+    /// The prior of an effect with the given physical range.
     #[must_use]
     pub fn of(effect: EffectId, range: [f64; 2]) -> Self {
         Self { range, usual: usual(effect, range) }
     }
 
-    /// Logarithm of the density of an estimate with that variance: the belief and the estimate's normal error
-    /// folded.
+    /// Logarithm of the density of an estimate with that variance: the prior convolved with the estimate's
+    /// normal error.
     #[must_use]
     pub fn log_density(&self, coefficient: f64, variance: f64) -> f64 {
         let [least, most] = self.range;
@@ -36,7 +36,8 @@ impl CoefficientPrior {
             normal_above((least - mean) / sigma) - normal_above((most - mean) / sigma)
         };
         let uniform = between(coefficient, sigma) / (most - least);
-        // The product of both normals is one about a mean between them, times one of their distance.
+        // The product of both normals is a normal about a mean between them, times a normal of their
+        // distance.
         let usual = self.usual * self.usual;
         let together = usual + variance;
         let mean = coefficient * usual / together;
@@ -53,9 +54,9 @@ impl CoefficientPrior {
     }
 }
 
-/// Sigma of what sensors in flight mostly have: those of `latent-path.md`'s prototype where it has one (lag
-/// and latency 1.5 s, scale 3 %, dynamic pressure 0.3, drift 5 mm/s, warming up 10 m), else a fifth of the
-/// largest that nature makes.
+/// Sigma of the coefficients that sensors in flight mostly have: those of `latent-path.md`'s prototype where
+/// it has one (lag and latency 1.5 s, scale 3 %, dynamic pressure 0.3, drift 5 mm/s, warming up 10 m), else a
+/// fifth of the range's largest magnitude.
 fn usual(effect: EffectId, range: [f64; 2]) -> f64 {
     match effect {
         EffectId::BaroLag | EffectId::GpsLatency => 1.5,
@@ -72,7 +73,7 @@ mod tests {
     use super::*;
 
     /// Against the sum over a grid of the coefficient, for exact and for poor estimates, inside and outside
-    /// of the range.
+    /// the range.
     #[test]
     fn the_density_is_the_folding_of_belief_and_error() {
         let prior = CoefficientPrior { range: [-1.0, 3.0], usual: 1.5 };
@@ -87,16 +88,15 @@ mod tests {
                 .iter()
                 .map(|c| (0.5 / 4.0 + 0.5 * normal(*c, 1.5) / inside) * normal(coefficient - c, sigma) * step)
                 .sum();
-            // None of these errors reaches the end of what is beyond, 30 either way.
+            // None of these errors reaches the end of the part beyond the range, 30 either way.
             let density = 0.99 * within + 0.01 / 60.0;
             let folded = prior.log_density(coefficient, sigma * sigma);
             assert!((folded - density.ln()).abs() < 1e-5, "{coefficient}: {folded} {}", density.ln());
         }
     }
 
-    /// What sensors in flight mostly have: 1.5 s of lag or latency, 3 % of scale, 0.3 of the dynamic
-    /// pressure, a drift of 5 mm/s, 10 m of warming up; of what is not known a fifth of the largest that
-    /// nature makes.
+    /// The usual sigmas: 1.5 s of lag or latency, 3 % of scale, 0.3 of the dynamic pressure, a drift of 5
+    /// mm/s, 10 m of warming up; for an effect without one, a fifth of the range's largest magnitude.
     #[test]
     fn what_sensors_mostly_have_is_what_is_written_down() {
         let of = |effect| CoefficientPrior::of(effect, [-4.0, 2.0]).usual;

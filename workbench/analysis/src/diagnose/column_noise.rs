@@ -1,8 +1,8 @@
 //! How much noise is in a candidate's column.
 
-/// within some hundredths of a second is straight, so that this is the noise of its signals (after von
-/// Neumann, "Distribution of the ratio of the mean square successive difference to the variance", 1941).
-/// Samples that are held do not count.
+/// The noise of a column, by the second differences of its samples. A regressor is straight within a few
+/// hundredths of a second, so these bends are the noise of its signals (after von Neumann, "Distribution of
+/// the ratio of the mean square successive difference to the variance", 1941). Held samples do not count.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ColumnNoise {
     last: [Option<f64>; 2],
@@ -10,7 +10,7 @@ pub(super) struct ColumnNoise {
     bends: u64,
 }
 
-/// Fewer bends than this tell nothing of noise.
+/// With fewer bends than this, the noise is not estimated.
 const FEW_BENDS: u64 = 20;
 
 impl ColumnNoise {
@@ -26,8 +26,8 @@ impl ColumnNoise {
         self.last = [Some(value), self.last[0]];
     }
 
-    /// Variance of the mean of a block's samples. A bend is made of three samples, with weights whose
-    /// squares add up to 6.
+    /// Variance of the mean of a block's samples. A bend is made of three samples, with weights whose squares
+    /// add up to 6.
     pub(super) fn of_mean(&self, blocks: usize) -> f64 {
         if self.bends < FEW_BENDS || blocks == 0 {
             return 0.0;

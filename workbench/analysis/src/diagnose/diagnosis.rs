@@ -8,28 +8,28 @@ use serde::{Deserialize, Serialize};
 use crate::name::Name;
 use replay::{Unused, Usage};
 
-/// What is known about a misfit. Ordered by how much it asks of the user.
+/// What is known about a misfit, ordered by how much it asks of the user.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema,
 )]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The model fits as well as the noise allows, and the flight would have shown what it lacks.
+    /// The model fits as well as the noise allows, and the flight would have shown a missing effect.
     #[default]
     NoSignificantMisfit,
-    /// The model fits, but the flight would not have shown what it lacks.
+    /// The model fits, but the flight would not have shown a missing effect.
     InsufficientExcitation,
-    /// Effects of the catalogue are missing, and nothing else in it could stand in their place.
+    /// Effects of the catalogue are missing, and no other effect in it could replace them.
     Identified,
-    /// An effect is missing, and it is one of a set that this flight can't tell apart.
+    /// An effect is missing: one of a set that this flight cannot tell apart.
     Indistinguishable,
     /// A misfit that nothing in the catalogue explains.
     UnknownEffect,
 }
 
 impl Verdict {
-    /// The word in JSON.
+    /// The name used in JSON.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -46,36 +46,36 @@ impl Verdict {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Diagnosis {
-    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    /// Version of the keys' meaning. It increases where a key changes its meaning or is removed.
     pub version: u32,
-    /// Over all sensors: that of the sensor with the largest misfit.
+    /// The verdict over all sensors: that of the sensor with the largest misfit.
     pub verdict: Verdict,
-    /// By sensor; effects of the reference are under `gps`.
+    /// The diagnosis by sensor; effects of the reference are under `gps`.
     pub sensors: BTreeMap<Name, SensorDiagnosis>,
     /// The model's name: a preset or a file.
     pub model: String,
     /// The flights learned from.
     pub flights: Vec<DiagnosedFlight>,
-    /// The flights held out, if any; without, stretches of the flights are held out in turn.
+    /// The flights held out, if any. If none, stretches of the flights are held out in turn.
     pub hold_outs: Vec<String>,
-    /// The noise that was found beside the effects.
+    /// The noise that was found together with the effects.
     pub noise: NoiseFacts,
     /// Effects that could not be tested, because the flights lack a signal.
     pub untested: Vec<Untested>,
-    /// What was remarkable about the input.
+    /// Anything remarkable about the input.
     pub warnings: Vec<String>,
 }
 
 impl Diagnosis {
-    /// The version that is written.
+    /// The version that this program writes.
     pub const VERSION: u32 = 2;
 
-    /// Ids of the effects that are missing for sure, sensor by sensor.
+    /// Ids of the effects that are certainly missing, sensor by sensor.
     pub fn missing(&self) -> impl Iterator<Item = &str> {
         self.sensors.values().flat_map(|sensor| &sensor.missing).map(|effect| &**effect)
     }
 
-    /// Ids of the effects of all sets that can't be told apart.
+    /// Ids of the effects of all sets that cannot be told apart.
     pub fn suspects(&self) -> impl Iterator<Item = &str> {
         self.sensors
             .values()
@@ -90,22 +90,22 @@ impl Diagnosis {
 pub struct SensorDiagnosis {
     /// The verdict.
     pub verdict: Verdict,
-    /// Ids of the effects that are missing for sure, the strongest first.
+    /// Ids of the effects that are certainly missing, the strongest first.
     pub missing: Vec<Name>,
-    /// Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first;
-    /// those below 5 % are not listed, but for the second.
+    /// Sets of effect ids: one of each set acts, and the flights cannot tell which. The most probable comes
+    /// first; those below 5 % are not listed, except the second.
     pub indistinguishable: Vec<Vec<Name>>,
-    /// How probable each of a set is to be the one that acts, in the order of `indistinguishable`; what they
-    /// lack to one is of those that are not listed.
+    /// Probability of each effect of a set, in the order of `indistinguishable`. What remains to 1 belongs to
+    /// effects that are not listed.
     pub probabilities: Vec<Vec<f64>>,
-    /// Every effect that was tried, the chosen ones first and then by their p-value.
+    /// Every effect that was tried: the chosen ones first, then by p-value.
     pub candidates: Vec<CandidateFacts>,
-    /// What to do next, in words; empty where nothing is to be done.
+    /// What to do next, in words; empty if nothing is to be done.
     pub advice: String,
     /// Signals that an unexplained residual follows, the closest first.
     pub follows: Vec<Follows>,
-    /// How many times larger the sensor's own wander is in free flight than in captive flight, once
-    /// everything that was found is taken off.
+    /// How many times larger the sensor's own wander is in free flight than in captive flight, after
+    /// everything that was found is subtracted.
     pub free_flight_factor: Option<f64>,
 }
 
@@ -123,36 +123,36 @@ impl SensorDiagnosis {
 pub struct CandidateFacts {
     /// Its id.
     pub effect: Name,
-    /// Estimated coefficient: beside the other effects found, or alone if it was not.
+    /// Estimated coefficient: together with the other effects found, or alone if the effect was not chosen.
     pub coefficient: f64,
-    /// One sigma of it, its autocorrelated noise and its spread over the manoeuvres accounted for.
+    /// One sigma of the coefficient, including autocorrelated noise and the spread over the manoeuvres.
     pub sigma: f64,
     /// Its unit.
     pub unit: Name,
-    /// The probability that it acts, beside what else may: of the sets of effects that explain the flights,
-    /// those that have it. Where the climb rate is measured only what is identified and the members of a set
-    /// have one: in that place.
+    /// Probability that the effect acts: the sum over the sets of effects that explain the flights and
+    /// contain it. Where the climb rate is measured, only identified effects and members of a set have one,
+    /// which is the probability within that set.
     #[serde(default)]
     pub probability: Option<f64>,
-    /// Chance of as strong a fit if the effect did not act, times the number of effects tried.
+    /// Probability of as strong a fit if the effect did not act, times the number of effects tried.
     pub p_value: f64,
-    /// Root mean square of the held-out errors without it, with every other chosen one, m.
+    /// Root mean square of the held-out errors without this effect, with every other chosen one, m.
     pub rms_before_m: Option<f64>,
-    /// With it beside those, m; neither is there where most of the error would be the coefficient's own,
-    /// which what is held out alone shows.
+    /// The same with this effect, m. Both are absent where most of the error would come from the
+    /// coefficient's own uncertainty, because only the held-out part shows the effect.
     pub rms_after_m: Option<f64>,
-    /// Whether it is part of the explanation.
+    /// Whether the effect is part of the explanation.
     pub chosen: bool,
-    /// Time constant of its regressor, s, where it has one.
+    /// Time constant of the regressor, s, if it has one.
     pub time_constant_s: Option<f64>,
-    /// Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if one
-    /// does.
+    /// Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if there
+    /// is one.
     pub smoothing_s: Option<f64>,
-    /// When that regressor's clock starts, where it has a time constant: `launch` or `start`.
+    /// When the clock of a regressor with a time constant starts: `launch` or `start`.
     pub since: Option<Name>,
-    /// How much of the residual it makes in free flight, rms, m.
+    /// How much of the residual the effect makes in free flight, rms, m.
     pub size_m: f64,
-    /// The range of its regressor in these flights, m per unit.
+    /// The range of the regressor in these flights, m per unit.
     pub envelope_m: [f64; 2],
 }
 
@@ -160,13 +160,13 @@ pub struct CandidateFacts {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Follows {
-    /// The signal, and what of it.
+    /// The signal, and which form of it.
     pub signal: String,
-    /// How far the residual lags behind it, s.
+    /// How far the residual lags behind the signal, s.
     pub lag_s: f64,
-    /// How much of the residual it would explain, rms, m.
+    /// How much of the residual the signal would explain, rms, m.
     pub size_m: f64,
-    /// What it gains in twice the log likelihood.
+    /// What the signal gains in twice the log likelihood.
     pub evidence: f64,
 }
 
@@ -179,27 +179,27 @@ pub struct DiagnosedFlight {
     pub file: String,
     /// Where captive flight ends and free flight begins, and why.
     pub calibration: String,
-    /// Which part of the log was worked on.
+    /// Which part of the log was used.
     #[serde(flatten)]
     pub usage: Usage,
-    /// Blocks of residuals that were worked on.
+    /// Number of blocks of residuals that were used.
     pub blocks: usize,
-    /// Their length, s.
+    /// Length of a block, s.
     pub block_s: f64,
     /// Stretches in which the reference jumped away and came back; they were left out.
     pub glitches: Vec<Glitch>,
     /// Readings left out because the reference was lost around them.
     pub unreferenced_readings: u64,
-    /// Readings that are no measurements, to the mission neither: not finite, implausible, or of a sensor
-    /// that is stuck.
+    /// Invalid readings, which the mission refuses as well: not finite, implausible, or of a sensor that is
+    /// stuck.
     #[serde(default, skip_serializing_if = "is_none")]
     pub refused_readings: u64,
-    /// What is wrong with a sensor for the whole flight, which was left out for it: one that is stuck, or a
+    /// What is wrong with a sensor for the whole flight, because of which it was left out: it is stuck, or a
     /// copy of the receiver.
     pub fault: Option<String>,
 }
 
-/// A stretch in which the reference jumped away and came back, by the flight's own clock.
+/// A stretch in which the reference jumped away and came back, in the flight's own time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Glitch {
@@ -213,15 +213,15 @@ pub struct Glitch {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct NoiseFacts {
-    /// The reference's wander: sigma, m.
+    /// Sigma of the reference's wander, m.
     pub reference_wander_m: f64,
-    /// Its correlation time, s.
+    /// Correlation time of the reference's wander, s.
     pub reference_time_s: f64,
-    /// A second, slower wander of the difference of the altitudes, the reference's or a sensor's: sigma, m; 0
-    /// where the climb rate is measured, which needs none.
+    /// Sigma of a second, slower wander of the difference of the altitudes (the reference's or a sensor's),
+    /// m; 0 where the climb rate is measured, which needs none.
     #[serde(default)]
     pub slow_wander_m: f64,
-    /// Its correlation time, s.
+    /// Correlation time of the slow wander, s.
     #[serde(default)]
     pub slow_time_s: f64,
     /// White noise of one fix, m.
@@ -248,7 +248,7 @@ pub struct Untested {
     pub effect: Name,
     /// The columns that it needs.
     pub needs: Vec<Name>,
-    /// Why no column would help, where none would.
+    /// Why no column would help, if none would.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
@@ -258,7 +258,7 @@ const fn is_none(count: &u64) -> bool {
     *count == 0
 }
 
-/// A flight as it is read: serde's `flatten` does not read numbers where a dependency has `serde_json` keep
+/// A flight as it is read: serde's `flatten` does not read numbers where a dependency makes `serde_json` keep
 /// their digits (serde_json's issue 505).
 #[derive(Deserialize, JsonSchema)]
 struct FlatFlight {

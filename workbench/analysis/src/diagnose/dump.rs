@@ -1,4 +1,4 @@
-//! What a diagnosis works on, as a table: for other programs to try their own methods on.
+//! The input of a diagnosis as a table, for other programs to try their own methods on.
 
 use std::io::{self, Write};
 
@@ -9,14 +9,15 @@ use super::from_replay::epochs;
 use super::physical_range::measures_climb_rate;
 use replay::Replay;
 
-/// Writes a flight's block means as CSV: a row a block and a sensor with readings in it, with the columns
-/// `time_s`, `free` (0/1), `sensor`, `residual_m` and then every available candidate's regressor in metres
-/// per unit of its coefficient (zero where it does not act on the sensor; an effect of the reference acts on
-/// all). A candidate with a time constant is `id@clock:seconds`; of a lag and of what a signal's error
-/// changes only the catalogue's own shape is written. The blocks are those that [`super::diagnose`] sees.
+/// Writes a flight's block means as CSV: a row for each block and sensor with readings in it, with the
+/// columns `time_s`, `free` (0/1), `sensor`, `residual_m` and then every available candidate's regressor in
+/// metres per unit of its coefficient (zero where it does not act on the sensor; an effect of the reference
+/// acts on all). A candidate with a time constant is `id@clock:seconds`. For a lag and for effects of a
+/// signal's error, only the catalogue's own shape is written. The blocks are those that [`super::diagnose`]
+/// uses.
 ///
 /// # Errors
-/// When it can't be written.
+/// When the output cannot be written.
 pub fn dump(replay: &Replay<'_>, out: &mut dyn Write) -> io::Result<()> {
     let candidates = catalogue(replay.model(), measures_climb_rate(replay));
     let epochs = epochs(replay, &candidates, &executor::Inline);

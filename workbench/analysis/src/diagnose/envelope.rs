@@ -1,14 +1,14 @@
-//! The range of a regressor in a flight, tick by tick as the mission meets it.
+//! The range of a regressor in a flight, tick by tick as in the mission.
 
 use kf_core::effect::Regressor;
 
 use super::follower::Follower;
 use replay::Replay;
 
-/// The least and the largest value of a regressor in some flights, captive and free, metres per unit of the
-/// coefficient; `None` where it never had one.
+/// The smallest and the largest value of a regressor in some flights, captive and free, metres per unit of
+/// the coefficient; `None` if it never had a value.
 ///
-/// Of the models only the reference and the settling time are looked at.
+/// Only the reference and the settling time of the models are used.
 #[must_use]
 pub fn envelope_m<'a>(
     replays: impl IntoIterator<Item = &'a Replay<'a>>,

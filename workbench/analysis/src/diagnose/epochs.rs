@@ -6,18 +6,18 @@ use super::series::Series;
 /// A flight ready to be diagnosed.
 #[derive(Clone, Debug)]
 pub struct Epochs {
-    /// Residuals, and one column a candidate (all zero where it is not available).
+    /// Residuals, and one column for each candidate (all zero where it is not available).
     pub series: Series,
-    /// Which candidates' signals the flight has.
+    /// For each candidate, whether the flight has its signals.
     pub available: Vec<bool>,
     /// Variance of the noise in every candidate's block means, m^2 per squared unit of the coefficient: a
     /// regressor is made of measured signals.
     pub column_noise_m2: Vec<f64>,
-    /// Means of the signals in each block, by [`super::signals::NAMES`] and then the unknown columns.
+    /// Means of the signals in each block: those of [`super::signals::NAMES`], then the unknown columns.
     pub signals: Vec<Vec<f64>>,
     /// Names of the signals.
     pub signal_names: Vec<String>,
-    /// Intervals in which the reference was off and came back.
+    /// Intervals in which the reference jumped away and came back.
     pub glitches: Vec<Glitch>,
     /// Readings left out because the reference was lost around them.
     pub unreferenced: u64,
@@ -26,7 +26,7 @@ pub struct Epochs {
 }
 
 impl Epochs {
-    /// The same flight with these columns only, in this order. Columns know nothing of one another.
+    /// The same flight with these columns only, in this order. Columns do not depend on each other.
     pub(super) fn of_columns(&self, places: &[usize]) -> Self {
         let Self { series, signals, signal_names, glitches, unreferenced, refused, .. } = self;
         let Series { time_s, fixes, free, residual_m, readings, block_s, full_block, .. } = series;

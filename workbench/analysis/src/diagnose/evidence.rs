@@ -1,10 +1,11 @@
-//! How well a coefficient predicts what it was not learned from, as a likelihood.
+//! How well a coefficient predicts data that it was not learned from, as a likelihood.
 //!
-//! The flights are whitened by the noise that was fitted beside the effect, so that the reference's wander,
-//! the sensors' own and the white noise each weigh what they are worth; biases, what the model has already
-//! and the other effects are projected out. With a coefficient c, twice the log likelihood of some blocks
-//! gains `c (2 s - c i)` over c = 0, with their score s (the whitened regressor times the whitened residual)
-//! and information i (its square): their own least squares is `s / i`.
+//! The flights are whitened by the noise that was fitted together with the effect, so that the reference's
+//! wander, the sensors' own wander and the white noise are each weighted correctly. Biases, the effects that
+//! the model already has and the other effects are projected out. With a coefficient c, twice the log
+//! likelihood of some blocks gains `c (2 s - c i)` over c = 0, where s is their score (the whitened regressor
+//! times the whitened residual) and i their information (its square). Their own least-squares coefficient is
+//! `s / i`.
 
 use kf_core::sensor::SENSORS;
 use nalgebra::{DMatrix, DVector};
@@ -16,10 +17,10 @@ use super::problem::Problem;
 use super::series::Series;
 use super::whitener::whiten;
 
-/// A regressor whose projection keeps less than this share of its square does not move by itself.
+/// A regressor whose projection keeps less than this share of its square does not vary by itself.
 const COLLINEAR: f64 = 1e-10;
 
-/// What some blocks say of one coefficient.
+/// The evidence of some blocks about one coefficient.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Evidence {
     /// Whitened regressor times whitened residual, 1 / unit of the coefficient.
@@ -32,7 +33,7 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// That of two together.
+    /// The evidence of both together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -43,7 +44,7 @@ impl Evidence {
     }
 }
 
-/// Evidence of the learning flights, cut into what is held out in turn.
+/// Evidence of the learning flights, divided into the parts that are held out in turn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Folds {
     /// Captive flight, which is never held out.
@@ -52,16 +53,16 @@ pub struct Folds {
     pub stretches: Vec<Evidence>,
 }
 
-/// The columns of an effect and of those beside it, and the noise that goes with them.
+/// The columns of an effect and of the others fitted with it, and their noise.
 pub(crate) struct Fitted<'a> {
     pub(crate) noise: &'a Noise,
     pub(crate) others: &'a [usize],
     pub(crate) column: usize,
-    /// The score's variance over the information by the learning flights, at least 1.
+    /// The score's variance divided by the information, from the learning flights, at least 1.
     pub(crate) inflation: f64,
 }
 
-/// Of whole flights.
+/// Evidence of whole flights.
 pub(crate) fn of_flights(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Evidence {
     let mut sum = Evidence::default();
     for flight in problem.flights {
@@ -72,7 +73,7 @@ pub(crate) fn of_flights(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Evidence
     sum
 }
 
-/// Of the stretches that [`super::held_out::manoeuvres`] leaves out.
+/// Evidence of the stretches that [`super::held_out::manoeuvres`] leaves out.
 pub(crate) fn of_folds(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Folds {
     let mut folds = Folds { stretches: vec![Evidence::default(); FOLDS], ..Folds::default() };
     for flight in problem.flights {
@@ -87,7 +88,7 @@ pub(crate) fn of_folds(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Folds {
     folds
 }
 
-/// Of every block of a flight.
+/// Evidence of every block of a flight.
 fn of_blocks(problem: &Problem<'_>, flight: &Series, fitted: &Fitted<'_>) -> Vec<Evidence> {
     let picks: Vec<usize> = fitted.others.iter().copied().chain([fitted.column]).collect();
     let columns = problem.columns(flight, &picks);
@@ -98,7 +99,7 @@ fn of_blocks(problem: &Problem<'_>, flight: &Series, fitted: &Fitted<'_>) -> Vec
         rows.extend_from_slice(row);
         blocks.push(block);
     });
-    // What is believed of the known effects, as further readings of them.
+    // The priors of the known effects, as additional readings of them.
     for (k, known) in problem.known.iter().enumerate() {
         rows.extend((0..width).map(|at| if at == 1 + SENSORS + k { 1.0 / known.sigma } else { 0.0 }));
     }
@@ -111,8 +112,8 @@ fn of_blocks(problem: &Problem<'_>, flight: &Series, fitted: &Fitted<'_>) -> Vec
     let rest = &unexplained - &alone * (alone.dot(&unexplained) / information);
     let mut noise = vec![0.0; flight.len()];
     for row in 0..matrix.nrows() {
-        // The readings of known effects are of no block: they go with the first, which is never held out if
-        // any of the flight is captive.
+        // The readings of known effects belong to no block. They are added to the first, which is never held
+        // out if any of the flight is captive.
         let at = blocks.get(row).copied().unwrap_or(0);
         if let Some(evidence) = of_block.get_mut(at) {
             evidence.score += alone[row] * unexplained[row];
@@ -127,7 +128,7 @@ fn of_blocks(problem: &Problem<'_>, flight: &Series, fitted: &Fitted<'_>) -> Vec
     of_block
 }
 
-/// Orthonormal columns that span the same as those of a matrix; what the ones before say already is left out.
+/// Orthonormal columns that span the same space as those of a matrix; linearly dependent ones are left out.
 fn basis(matrix: &DMatrix<f64>, columns: std::ops::Range<usize>) -> Vec<DVector<f64>> {
     let mut basis = Vec::new();
     for column in columns {
@@ -138,7 +139,7 @@ fn basis(matrix: &DMatrix<f64>, columns: std::ops::Range<usize>) -> Vec<DVector<
     basis
 }
 
-/// What of a column an orthonormal basis leaves, if it is anything.
+/// The part of a column that is orthogonal to a basis, if there is any.
 fn left_of(matrix: &DMatrix<f64>, column: usize, basis: &[DVector<f64>]) -> Option<DVector<f64>> {
     let own = matrix.column(column);
     let mut left = own.clone_owned();
@@ -196,8 +197,8 @@ mod tests {
         series
     }
 
-    /// Score over information is the coefficient of the normal equations, and the gain their sums of
-    /// squares': with another effect beside it, a known one with its prior, and biases.
+    /// Score over information is the coefficient of the normal equations, and the gain is that of their sums
+    /// of squares: with another effect included, a known one with its prior, and biases.
     #[test]
     fn the_gain_is_the_likelihoods() {
         let flights = [flight()];
@@ -214,7 +215,7 @@ mod tests {
         let gain = coefficient * (2.0 * evidence.score - coefficient * evidence.information);
         assert!((gain - (without.rest - with.rest)).abs() < 1e-6, "{gain}");
 
-        // Nothing is in two stretches or in none.
+        // No block is in two stretches or in none.
         let folds = of_folds(&problem, &fitted);
         let sum = folds.stretches.iter().fold(folds.captive, |sum, part| sum.and(*part));
         assert!((sum.score - evidence.score).abs() < 1e-9 * evidence.score.abs());

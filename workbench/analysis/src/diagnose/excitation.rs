@@ -3,17 +3,18 @@
 use super::candidates::Candidate;
 use super::information::Information;
 
-/// An effect is seen when its coefficient exceeds so many sigmas, with the number of candidates tried.
+/// An effect is seen when its coefficient exceeds this many sigmas, which accounts for the number of
+/// candidates tried.
 pub(super) const SEEN_SIGMAS: f64 = 4.5;
 /// A flight excites a sensor enough if it would have shown this share of the effects that could act on it.
 const ENOUGH: f64 = 0.5;
 
-/// Which of a sensor's effects a flight would have shown at a size that nature allows.
+/// Which of a sensor's effects a flight would have shown at a physically possible size.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Excitation {
-    /// Columns that would have shown.
+    /// Columns that would have been seen.
     pub seen: Vec<usize>,
-    /// Columns that would not.
+    /// Columns that would not have been seen.
     pub unseen: Vec<usize>,
 }
 
@@ -26,8 +27,8 @@ impl Excitation {
     }
 }
 
-/// Judges the candidates among `columns` (with their positions in `information`), each alone beside
-/// what was chosen.
+/// Judges the candidates among `columns` (with their positions in `information`), each alone with the chosen
+/// effects.
 #[must_use]
 pub fn excitation(
     information: &Information,

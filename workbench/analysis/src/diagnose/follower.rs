@@ -1,6 +1,6 @@
-//! Follows the ticks of a flight the way the mission does, for the diagnosis: phases, signals, what is a
-//! measurement, and the altitude gained. It has no filter: what the mission refuses for being far from its
-//! filter's prediction is taken here.
+//! Follows the ticks of a flight as the mission does, for the diagnosis: phases, signals, which inputs are
+//! measurements, and the altitude gained. It has no filter, so it accepts what the mission refuses for being
+//! far from its filter's prediction.
 
 use std::collections::VecDeque;
 
@@ -19,7 +19,7 @@ use super::formulas::Formulas;
 use super::reference_path::Reference;
 use super::smoothed_climb::SmoothedClimb;
 
-/// Follows the ticks the way the mission does: settling, calibration, free flight.
+/// Follows the ticks as the mission does: settling, calibration, free flight.
 pub(super) struct Follower {
     pub(super) tracker: SignalTracker,
     formulas: Formulas,
@@ -51,7 +51,7 @@ struct LaunchClimb {
     rate_mps: f64,
 }
 
-/// Climb rates of that long before launch are averaged, microseconds.
+/// Climb rates of this time before launch are averaged, microseconds.
 const BEFORE_LAUNCH_US: u64 = 1_000_000;
 
 /// Integral of the climb rate at the last fix.
@@ -62,7 +62,7 @@ struct Climb {
     rate_mps: f64,
 }
 
-/// A tick as the mission takes it.
+/// A tick as the mission accepts it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Taken {
     pub(super) phase: Phase,
@@ -70,11 +70,11 @@ pub(super) struct Taken {
     pub(super) has_fix: bool,
     /// The readings that are measurements, by sensor, metres.
     pub(super) readings_m: [Option<f64>; SENSORS],
-    /// How many were none: not finite, implausible, or of a sensor that is stuck.
+    /// How many readings were invalid: not finite, implausible, or of a sensor that is stuck.
     pub(super) refused: u32,
 }
 
-/// Where a tick stands.
+/// The phase of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Phase {
     Ignored,
@@ -83,12 +83,12 @@ pub(super) enum Phase {
 }
 
 impl Follower {
-    /// One that knows a regressor as well, whatever its time constant.
+    /// A follower that also computes this regressor, whatever its time constant.
     pub(super) fn knowing(model: &Model, regressor: Regressor) -> Self {
         Self { formulas: Formulas::of(model, Some(regressor)), ..Self::new(model) }
     }
 
-    /// The regressor of what it knows now, metres per unit, as the estimator has it.
+    /// The current value of the regressor, metres per unit, as in the estimator.
     pub(super) fn value_m(&self, regressor: Regressor) -> Option<f32> {
         match regressor.id {
             EffectId::Defined(_) => self.formulas.value_m(regressor),
@@ -120,20 +120,20 @@ impl Follower {
         }
     }
 
-    /// Altitude gained since the start of the calibration by the integral of the climb rate, metres.
+    /// Altitude gained since the start of the calibration, by integrating the climb rate, metres.
     pub(super) fn climbed_m(&self, time_us: u64) -> Option<f64> {
         let climb = self.climb?;
         let since_s = time_us.saturating_sub(climb.time_us) as f64 * 1e-6;
         Some(climb.metres + climb.rate_mps * since_s - self.climb_base_m?)
     }
 
-    /// A candidate's regressor now, metres per unit.
+    /// A candidate's current regressor, metres per unit.
     ///
-    /// The altitude gained is taken from the climb rate where there is one, else from the path that all
-    /// altitudes show (`latent_path`): the fixes' own altitude has the reference's error in it, which the
-    /// residual has too, so that in level flight the one explains the other with a coefficient of -1. The
-    /// climb rate is taken between the fixes: held since the last one it is late by half their interval, and
-    /// that is what an acceleration would look like.
+    /// The altitude gained is taken from the climb rate if there is one, else from the path that all
+    /// altitudes show (`latent_path`). The fixes' own altitude contains the reference's error, which the
+    /// residual contains too, so in level flight the one would explain the other with a coefficient of -1.
+    /// The climb rate is interpolated between the fixes: held since the last one it would be late by half
+    /// their interval, which would look like an acceleration.
     pub(super) fn regressor_m(&self, candidate: &Candidate, moment: &Moment) -> Option<f64> {
         let regressor = candidate.regressor;
         match regressor.id {
@@ -144,8 +144,9 @@ impl Follower {
             EffectId::BaroLag | EffectId::GpsLatency => {
                 moment.climb.mps(candidate.smoothing_s).map(|mps| -mps)
             }
-            // The second integral of the vertical acceleration since launch: what was climbed, but for the
-            // climb rate at launch. The receiver's own says it without the attitude's error in it.
+            // The second integral of the vertical acceleration since launch: the altitude gained less the
+            // part from the climb rate at launch. The receiver's altitude gives it without the attitude's
+            // error.
             EffectId::ImuAccelScale => match (self.launch, self.climbed_m(moment.time_us)) {
                 (None, Some(_)) => Some(0.0),
                 (Some(launch), Some(climbed_m)) => {
@@ -163,7 +164,7 @@ impl Follower {
         }
     }
 
-    /// A regressor as the mission has it, metres per unit.
+    /// A regressor as in the mission, metres per unit.
     pub(super) fn raw_m(&self, regressor: Regressor) -> Option<f32> {
         match regressor.id {
             EffectId::Defined(_) => self.formulas.value_m(regressor),
@@ -171,7 +172,7 @@ impl Follower {
         }
     }
 
-    /// Takes a tick.
+    /// Processes a tick.
     pub(super) fn take(&mut self, input: &TickInput) -> Taken {
         if self.last_us.is_some_and(|last_us| input.time_us <= last_us) {
             return Taken { phase: Phase::Ignored, has_fix: false, readings_m: [None; SENSORS], refused: 0 };
@@ -230,7 +231,7 @@ impl Follower {
         Taken { phase, has_fix: accepted, readings_m, refused }
     }
 
-    /// The readings that are measurements, and how many are none.
+    /// The valid readings, and the number of invalid ones.
     fn measurements(&mut self, input: &TickInput) -> ([Option<f64>; SENSORS], u32) {
         let baro_m = input.baro.map(|reading| match reading {
             BaroReading::PressurePa(pressure_pa) => pressure_altitude_m(pressure_pa).unwrap_or(f32::NAN),
@@ -277,7 +278,7 @@ mod tests {
 
     use super::*;
 
-    /// Two minutes at 10 Hz, launched after one, of which some was spoilt.
+    /// Two minutes at 10 Hz, launched after one, with some spoilt samples.
     fn spoilt() -> flight_data::Flight {
         let mut csv = "# pylon-flight: 1\ntime_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,baro_alt_m,imu_slave_alt_m\n"
             .to_owned();
@@ -285,14 +286,15 @@ mod tests {
             let t = 0.1 * f64::from(k);
             let rough = f64::from((k * 37) % 19) / 19.0 - 0.5;
             let altitude_m = 500.0 + 60.0 * (t / 9.0).sin();
-            // A barometer that is stuck for six seconds, before the launch and after it, and shows nonsense
-            // for one reading.
+            // A barometer that is stuck for six seconds, before the launch and after it, and has one
+            // nonsensical reading.
             let baro_m = match k {
                 300..360 | 800..860 => 498.25,
                 700 => 5.0e6,
                 _ => altitude_m + 3.0 + rough,
             };
-            // A fix a second, one of them the last one held; altitudes and times that no aircraft has.
+            // A fix a second, one of them a repetition of the last one; altitudes and times that no aircraft
+            // has.
             let fix = match k {
                 500 => "200000,0,0,0".to_owned(),
                 410 => format!("{:.3},30,40,0", 500.0 + 60.0 * (40.0_f64 / 9.0).sin()),
@@ -310,7 +312,7 @@ mod tests {
         flight_data::parse(csv.as_bytes()).unwrap().0
     }
 
-    /// The follower and the mission see the same flight, but for what the mission's filter refuses as far
+    /// The follower and the mission see the same flight, except for what the mission's filter refuses as far
     /// from its prediction.
     #[test]
     fn a_tick_is_to_the_follower_what_it_is_to_the_mission() {

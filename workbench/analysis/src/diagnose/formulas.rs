@@ -22,14 +22,14 @@ pub(super) struct Formulas {
 }
 
 impl Formulas {
-    /// Of a model: those that it has, and those that it only defines; and one more.
+    /// The formulas of a model, both those in use and those only defined, and one more.
     pub(super) fn of(model: &Model, further: Option<Regressor>) -> Self {
         let own = model.effects.iter().map(|effect| effect.term.regressor);
         let tried = catalogue(model, false).into_iter().map(|candidate| candidate.regressor);
         Self::new(own.chain(tried).chain(further))
     }
 
-    /// Of these regressors; those of the catalogue are not formulas, and left out.
+    /// The formulas of these regressors. Those of the catalogue are not formulas and are left out.
     pub(super) fn new(regressors: impl Iterator<Item = Regressor>) -> Self {
         let (mut used, mut follows) = (0, Vec::<Follow>::new());
         for regressor in regressors {
@@ -48,7 +48,7 @@ impl Formulas {
         self.frame.begin_calibration();
     }
 
-    /// Takes a tick that the tracker has taken.
+    /// Processes a tick that the tracker has processed.
     pub(super) fn take(&mut self, input: &TickInput, fix: Option<&GpsFix>, tracker: &SignalTracker) {
         if self.follows.is_empty() {
             return;
@@ -60,13 +60,13 @@ impl Formulas {
         self.frame.end();
     }
 
-    /// The regressor now, metres per unit.
+    /// The current value of the regressor, metres per unit.
     pub(super) fn value_m(&self, regressor: Regressor) -> Option<f32> {
         self.follows.iter().find(|follow| is_same(follow.regressor, regressor))?.value_m
     }
 }
 
-/// Whether two are one: a time constant that is not read is none.
+/// Whether two regressors are the same: a time constant that is not used does not count.
 fn is_same(one: Regressor, other: Regressor) -> bool {
     let reads_time = || matches!(one.id, EffectId::Defined(_)) && one.id.has_time_constant();
     one.id == other.id && (!reads_time() || one.time_constant_s.to_bits() == other.time_constant_s.to_bits())

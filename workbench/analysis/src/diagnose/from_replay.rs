@@ -1,4 +1,4 @@
-//! A replay's ticks made into [`Epochs`].
+//! Turns a replay's ticks into [`Epochs`].
 
 use executor::Executor;
 use kf_core::effect::EffectSubject;
@@ -18,11 +18,11 @@ use super::reference_path::{Fix, ReferencePath};
 use super::residuals::known_m;
 use replay::{Observer, Replay};
 
-/// Sensors that show the path beside the receiver, the best first.
+/// Sensors that show the path besides the receiver, the best first.
 const PATH_SENSORS: [Sensor; 2] = [Sensor::Baro, Sensor::ImuSlave];
 
-/// Makes block means of a flight, in two passes over its ticks: the reference's path must be known as a whole
-/// before a residual can be taken from it, because its outliers are found and its gaps filled from both
+/// Makes block means of a flight, in two passes over its ticks. The reference's path must be known as a whole
+/// before a residual can be computed from it, because its outliers are found and its gaps filled from both
 /// sides.
 #[must_use]
 pub fn epochs(replay: &Replay<'_>, candidates: &[Candidate], executor: &dyn Executor) -> Epochs {
@@ -36,8 +36,8 @@ pub fn epochs(replay: &Replay<'_>, candidates: &[Candidate], executor: &dyn Exec
 /// One sensor's readings: `(time, metres)`.
 type Path = Vec<(u64, f64)>;
 
-/// The first of the two passes: the fixes that are measurements, and every sensor's own readings. It may look
-/// on while somebody else flies the flight.
+/// The first of the two passes: the fixes that are measurements, and every sensor's own readings. It can
+/// observe a pass that another part of the program runs.
 pub struct Measured {
     model: Model,
     follower: Follower,
@@ -47,7 +47,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Of a replay, before its first tick.
+    /// For a replay, before its first tick.
     #[must_use]
     pub fn of(replay: &Replay<'_>) -> Self {
         Self {
@@ -74,7 +74,7 @@ impl Measured {
         }
     }
 
-    /// The block means, of which the second pass makes residuals and regressors.
+    /// The block means, for which the second pass computes residuals and regressors.
     #[must_use]
     pub fn epochs(self, replay: &Replay<'_>, candidates: &[Candidate], executor: &dyn Executor) -> Epochs {
         let Self { model, fixes, paths, .. } = self;
@@ -87,7 +87,7 @@ impl Measured {
         {
             path.set_path(&points);
         }
-        // Every single reading of the flight: as much again as the flight itself.
+        // Frees every single reading of the flight, which takes as much memory as the flight itself.
         drop(paths);
         let mut builder = Builder::new(replay, candidates, path);
         builder.run(replay, &model, candidates);
@@ -101,7 +101,8 @@ impl Measured {
     }
 }
 
-/// A mission's ticks: an inertial altitude that the flight computer makes is none of a diagnosis' readings.
+/// A mission's ticks. An inertial altitude that the flight computer computes is not one of a diagnosis'
+/// readings.
 impl Observer for Measured {
     fn take(&mut self, ticks: &[TickInput]) {
         for input in ticks {

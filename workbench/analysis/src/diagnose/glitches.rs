@@ -1,22 +1,23 @@
 //! Stretches in which the reference jumped away from every sensor and came back.
 //!
-//! Such fixes are no measurement of anything, and one of them weighs more in a least-squares fit than an
-//! hour of good ones. A jump that stays is kept: a receiver's change of satellites, or an effect.
+//! Such fixes are not measurements, and one of them weighs more in a least-squares fit than an hour of good
+//! ones. A jump that persists is kept: it is a receiver's change of satellites, or an effect.
 
 use super::reference_path::Fix;
 
-/// A jump is one beyond so many of the usual change between two fixes (robust sigma) ...
+/// A jump exceeds this many times the usual change between two fixes (robust sigma) ...
 const JUMP_SIGMAS: f64 = 8.0;
-/// ... and so many metres ...
+/// ... and this many metres ...
 const JUMP_M: f64 = 2.0;
-/// ... and so many times what the aircraft's own acceleration makes of the altitude between two fixes.
+/// ... and this many times the altitude change between two fixes by the aircraft's own acceleration.
 const JUMP_ACCELERATIONS: f64 = 3.0;
-/// Longest time until it comes back, seconds.
+/// Longest time until the reference comes back, seconds.
 const LONGEST_S: f64 = 30.0;
 /// How much the two edges of a glitch may differ, as a share of their size.
 const EDGES_APART: f64 = 0.35;
 
-/// Takes the fixes of glitches out; returns what is left and the glitches (first and last fix, microseconds).
+/// Removes the fixes of glitches; returns the remaining fixes and the glitches (first and last fix,
+/// microseconds).
 #[must_use]
 pub fn split<const S: usize>(fixes: Vec<Fix>, paths: &[Vec<(u64, f64)>; S]) -> (Vec<Fix>, Vec<(u64, u64)>) {
     let sensors: Vec<Vec<Option<f64>>> =
@@ -60,7 +61,7 @@ pub fn split<const S: usize>(fixes: Vec<Fix>, paths: &[Vec<(u64, f64)>; S]) -> (
     (kept, glitches)
 }
 
-/// How far the reference moved against the sensors since the last fix.
+/// How far the reference moved relative to the sensors since the last fix.
 struct Jump {
     metres: f64,
     /// Second difference of the altitude by the sensors, metres.
@@ -83,12 +84,12 @@ fn jump(fixes: &[Fix], sensors: &[Vec<Option<f64>>], k: usize) -> Option<Jump> {
             }
         }
     }
-    // The least of them: a jump that one sensor does not see is not the reference's.
+    // The smallest of them: a jump that one sensor does not see is not the reference's.
     let metres = moved.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     Some(Jump { metres, acceleration_m })
 }
 
-/// A sensor's altitude at the fixes, between its readings; `None` outside of them.
+/// A sensor's altitude at the fixes, interpolated between its readings; `None` outside of them.
 fn sampled(path: &[(u64, f64)], fixes: &[Fix]) -> Vec<Option<f64>> {
     let mut next = 0;
     let at = fixes.iter().map(|fix| {
@@ -139,8 +140,8 @@ mod tests {
         assert_eq!(split(fixes, &paths).1, []);
     }
 
-    /// A jump of the receiver is what the sensor did not move by; the sensor's own bend is looked for on
-    /// either side of it.
+    /// A jump of the receiver is a movement that the sensor does not share; the sensor's own bend is looked
+    /// for on either side of it.
     #[test]
     fn a_jump_is_looked_at_on_either_side() {
         let fix = |(k, altitude_m): (u64, f64)| Fix { time_us: k * 200_000, altitude_m, climb_mps: None };

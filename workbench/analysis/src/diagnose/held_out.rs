@@ -1,4 +1,4 @@
-//! Errors on what was not learned from: manoeuvres left out of the fit, or whole flights.
+//! Errors on data that was not used for learning: manoeuvres left out of the fit, or whole flights.
 
 use super::information::{Information, own_coefficients};
 use super::noise::Noise;
@@ -6,10 +6,11 @@ use super::problem::Problem;
 use super::series::{BySensor, Series};
 use kf_core::sensor::SENSORS;
 
-/// Stretches of free flight that are left out in turn.
+/// Number of stretches of free flight that are left out in turn.
 pub(super) const FOLDS: usize = 5;
 
-/// The share of the held-out errors' squares beyond which the coefficients' own unsureness is most of them.
+/// The share of the held-out errors' squares beyond which most of them come from the coefficients' own
+/// uncertainty.
 const EXTRAPOLATED: f64 = 0.5;
 
 /// Sums of squares of the held-out errors, by sensor.
@@ -17,25 +18,25 @@ const EXTRAPOLATED: f64 = 0.5;
 pub struct HeldOut {
     sum: BySensor,
     blocks: [u64; SENSORS],
-    /// What the unsureness of the coefficients that were predicted with must make of the sums.
+    /// The part of the sums that the uncertainty of the coefficients used for the prediction must cause.
     unsure: BySensor,
 }
 
 impl HeldOut {
-    /// Root mean square of one sensor's error, metres; `None` without a block, and where most of it is no
-    /// more than that the coefficients are not known from the rest.
+    /// Root mean square of one sensor's error, metres; `None` without a block, and where most of it only
+    /// shows that the coefficients are not known from the rest.
     #[must_use]
     pub fn rms_m(&self, sensor: usize) -> Option<f64> {
         self.rms_of_m(|i| i == sensor)
     }
 
-    /// Over all sensors that fly free, metres.
+    /// Root mean square over all sensors in free flight, metres.
     #[must_use]
     pub fn rms_all_m(&self) -> Option<f64> {
         self.rms_of_m(|_| true)
     }
 
-    /// As [`Self::rms_all_m`], be it reliable or not.
+    /// As [`Self::rms_all_m`], reliable or not.
     #[must_use]
     pub fn any_rms_m(&self) -> Option<f64> {
         let blocks: u64 = self.blocks.iter().sum();
@@ -47,7 +48,7 @@ impl HeldOut {
             |values: &BySensor| -> f64 { (0..SENSORS).filter(|i| is_asked(*i)).map(|i| values[i]).sum() };
         let blocks: u64 = (0..SENSORS).filter(|i| is_asked(*i)).map(|i| self.blocks[i]).sum();
         let (sum, unsure) = (of(&self.sum), of(&self.unsure));
-        // Of a coefficient that only the stretch left out shows, its prediction tells nothing.
+        // If only the left-out stretch shows a coefficient, its prediction means nothing.
         (blocks > 0 && unsure <= EXTRAPOLATED * sum).then(|| (sum / blocks as f64).sqrt())
     }
 
@@ -91,8 +92,8 @@ pub fn manoeuvres(problem: &Problem<'_>, noise: &Noise, picks: &[usize], prior: 
     errors
 }
 
-/// Errors in free flight of flights that were not learned from: biases by their own captive flight,
-/// coefficients by the learning flights.
+/// Errors in free flight of flights that were not learned from: biases from their own captive flight,
+/// coefficients from the learning flights.
 #[must_use]
 pub fn flights(
     learned: &Problem<'_>,
@@ -114,14 +115,14 @@ pub fn flights(
     errors
 }
 
-/// Coefficients that others are predicted with, and their variances.
+/// Coefficients that other data is predicted with, and their variances.
 struct Common {
     values: Vec<f64>,
     variances: Vec<f64>,
 }
 
-/// The fit's coefficients, with what nature allows of them for a prior: what the rest does not show is
-/// predicted as nothing.
+/// The fit's coefficients, with their physical ranges as a prior: an effect that the rest does not show is
+/// predicted as zero.
 fn coefficients(information: &Information, all: &[usize], prior: &[f64]) -> Common {
     let n = all.len();
     match information.solve_with_prior(all, prior) {
@@ -144,7 +145,7 @@ fn add_errors(
 ) {
     let columns = problem.columns(flight, picks);
     let first = columns.len() - picks.len();
-    // The bias takes the mean of what a coefficient is off by.
+    // The bias absorbs the mean of a coefficient's error.
     let means: Vec<BySensor> = columns[first..]
         .iter()
         .map(|column| {
@@ -168,8 +169,8 @@ fn add_errors(
 mod tests {
     use super::*;
 
-    /// The error is the root of the mean square of one sensor's blocks, or of all; what is no number is no
-    /// block. Where most of it is the coefficients' own unsureness, it tells nothing.
+    /// The error is the root of the mean square of one sensor's blocks, or of all; a value that is not finite
+    /// is not a block. Where most of it is the coefficients' own uncertainty, it is not reported.
     #[test]
     fn errors_are_root_mean_squares() {
         let mut errors = HeldOut::default();

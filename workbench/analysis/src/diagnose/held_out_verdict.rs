@@ -1,40 +1,41 @@
-//! Whether an effect predicts what it was not learned from worse than no effect does, beyond chance.
+//! Whether an effect predicts data that it was not learned from worse than no effect does, beyond chance.
 //!
-//! The raw rms error cannot decide it: it is mostly the reference's slow wander, which goes with any
-//! regressor by chance, so that a small true effect often makes it larger. The likelihood knows the wander (
-//! [`Evidence`]). Twice its logarithm gains `G = c (2 s - c i)` by the coefficient c: it falls where what was
-//! held out, fitted by itself, comes to less than half of c. With V the score's variance (Newey and West's,
-//! and at least the information), `z = G / (2 |c| sqrt(V))` is normal with unit variance about
+//! The raw rms error cannot decide this. It is mostly the reference's slow wander, which correlates with any
+//! regressor by chance, so a small true effect often makes it larger. The likelihood accounts for the wander
+//! ([`Evidence`]). The coefficient c raises twice its logarithm by `G = c (2 s - c i)`, which is negative
+//! where the held-out data, fitted by itself, gives less than half of c. With V the score's variance (Newey
+//! and West's, and at least the information), `z = G / (2 |c| sqrt(V))` is normal with unit variance about
 //!
 //! - 0 where the effect is half as large as learned, so that it does as much good as harm,
 //! - `|c| i / (2 sqrt(V))` where it acts as learned,
 //! - minus that where it does not act.
 //!
-//! The test is one-sided at 5 %: an effect is called harmful below z = -1.645. A true one, whatever its size,
-//! is called so in at most 5 %, and in `P(z < -1.645 - |c| i / (2 sqrt(V)))`; one that does not act in
-//! `P(z < -1.645 + |c| i / (2 sqrt(V)))`. Where that is less than 95 % the test cannot tell, and says so.
+//! The test is one-sided at 5 %: an effect is called harmful below z = -1.645. A true effect, whatever its
+//! size, is called harmful in at most 5 % of cases, and in `P(z < -1.645 - |c| i / (2 sqrt(V)))`; one that
+//! does not act in `P(z < -1.645 + |c| i / (2 sqrt(V)))`. Where the latter is less than 95 %, the test cannot
+//! tell and reports that.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::evidence::{Evidence, Folds};
 
-/// Normal deviate below which 5 % lie, with the other sign.
+/// Normal deviate below which 5 % lie, with its sign reversed.
 const LEVEL: f64 = 1.645;
 
-/// What was held out, with an effect and without.
+/// Held-out data, predicted with an effect and without.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct HeldOutVerdict {
-    /// What twice the log likelihood gains by the effect; negative: it is worse with it.
+    /// What twice the log likelihood gains by the effect; negative if the effect makes it worse.
     pub gain: f64,
     /// One sigma of the gain by chance.
     pub gain_sigma: f64,
-    /// What the gain would be if the effect acted just as learned; minus that if it did not act.
+    /// The gain if the effect acted exactly as learned; minus that if it did not act.
     pub gain_as_learned: f64,
-    /// Whether it is worse beyond chance.
+    /// Whether the effect is harmful beyond chance.
     pub is_worse: bool,
-    /// Whether an effect that does not act would be seen, with a chance of 95 %.
+    /// Whether an effect that does not act would be detected, with a probability of 95 %.
     pub can_tell: bool,
 }
 
@@ -49,7 +50,7 @@ impl HeldOutVerdict {
         }
     }
 
-    /// On flights that the coefficient was not learned from.
+    /// The verdict on flights that the coefficient was not learned from.
     #[must_use]
     pub fn on_flights(evidence: &Evidence, coefficient: f64) -> Self {
         let Evidence { score, information, variance } = *evidence;
@@ -60,19 +61,20 @@ impl HeldOutVerdict {
         )
     }
 
-    /// On stretches of the learning flights, each with the coefficient of all the others. That coefficient
-    /// has chance in it too: the gain's sigma is by the derivative with respect to every stretch's score.
+    /// The verdict on stretches of the learning flights, each with the coefficient of all the others. Because
+    /// that coefficient varies by chance too, the gain's sigma uses the derivative with respect to every
+    /// stretch's score.
     #[must_use]
     pub fn on_stretches(folds: &Folds) -> Self {
         let all = folds.stretches.iter().fold(folds.captive, |sum, stretch| sum.and(*stretch));
         let mut gain = 0.0;
         let mut as_learned = 0.0;
-        // Derivatives by way of the stretch's own score, and by way of the others' coefficient.
+        // Derivatives through the stretch's own score, and through the others' coefficient.
         let mut own = Vec::with_capacity(folds.stretches.len());
         let mut by_others = Vec::with_capacity(folds.stretches.len());
         for stretch in &folds.stretches {
             let information = all.information - stretch.information;
-            // What only this stretch shows cannot be predicted from the others.
+            // A coefficient that only this stretch shows cannot be predicted from the others.
             let known = information > 0.0 && stretch.information > 0.0;
             let coefficient = if known { (all.score - stretch.score) / information } else { 0.0 };
             gain += coefficient * (2.0 * stretch.score - coefficient * stretch.information);
@@ -109,7 +111,7 @@ mod tests {
         worse as f64 / f64::from(SEEDS)
     }
 
-    /// Evidence of a true coefficient, where chance is so many times the likelihood's.
+    /// Evidence of a true coefficient, with this many times the likelihood's chance variation.
     fn evidence(truth: f64, information: f64, inflation: f64, white: &mut dyn FnMut() -> f64) -> Evidence {
         let variance = information * inflation;
         Evidence { score: truth * information + variance.sqrt() * white(), information, variance }
@@ -151,7 +153,7 @@ mod tests {
     }
 
     /// Stretches of very different weight, one of which has nearly all of it: true effects pass, and one that
-    /// is there in a single stretch only does not.
+    /// acts in a single stretch only does not.
     #[test]
     fn stretches_refuse_what_does_not_repeat_and_little_of_what_does() {
         let weights: [&[f64]; 3] = [&[1.0; 5], &[0.01, 0.01, 0.01, 0.01, 5.0], &[0.0, 3.0, 0.1, 1.0, 0.0]];

@@ -5,17 +5,18 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::matrix::product;
 
-/// A column whose projection keeps less than this share of its square can't be told from the biases.
+/// A column whose projection keeps less than this share of its square cannot be distinguished from the
+/// biases.
 const COLLINEAR: f64 = 1e-10;
 
 /// Normal equations of one or several flights: column 0 is the residual, the others the regressors.
 #[derive(Clone, Debug)]
 pub struct Information {
-    /// Products of the columns after the biases were projected out.
+    /// Products of the columns after the biases are projected out.
     gram: DMatrix<f64>,
-    /// Before: what of a column is left says whether it can be told from a bias.
+    /// The columns' squares before that. The share that remains shows whether a column differs from a bias.
     raw: Vec<f64>,
-    /// Whitened readings.
+    /// Number of whitened readings.
     pub rows: usize,
     /// Twice the part of the (restricted) log likelihood that does not depend on the columns.
     log_determinant: f64,
@@ -30,19 +31,19 @@ pub struct Solution {
     pub covariance: Vec<f64>,
     /// Natural logarithm of the covariance's determinant.
     pub log_determinant: f64,
-    /// Sum of squares that is left.
+    /// Sum of squares of the residual after the fit.
     pub rest: f64,
 }
 
 impl Information {
-    /// Of `width` columns (the residual and the regressors), nothing yet.
+    /// For `width` columns (the residual and the regressors), still empty.
     #[must_use]
     pub fn new(width: usize) -> Self {
         Self { gram: DMatrix::zeros(width, width), raw: vec![0.0; width], rows: 0, log_determinant: 0.0 }
     }
 
-    /// Adds a flight's normal equations; its columns are the residual, `own` columns of its own (biases,
-    /// and what else is estimated flight by flight), and the regressors. Own columns without a reading are
+    /// Adds a flight's normal equations. Its columns are the residual, `own` columns of its own (biases, and
+    /// whatever else is estimated flight by flight), and the regressors. Own columns without a reading are
     /// left out.
     pub fn add_flight(&mut self, products: &DMatrix<f64>, own: usize, rows: usize, log_determinant: f64) {
         let width = self.raw.len();
@@ -64,7 +65,7 @@ impl Information {
         self.rows += rows - present.len().min(rows);
     }
 
-    /// These and those of other flights, of the same columns.
+    /// The normal equations of these and other flights, with the same columns.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self {
@@ -75,7 +76,7 @@ impl Information {
         }
     }
 
-    /// The same flights, had the residual been what some columns make of it with these coefficients, and no
+    /// The same flights, as if the residual were the sum of some columns with these coefficients, without
     /// noise.
     #[must_use]
     pub fn with_response(&self, columns: &[usize], coefficients: &[f64]) -> Self {
@@ -91,7 +92,7 @@ impl Information {
         with
     }
 
-    /// Whether a column is anything but a combination of the biases.
+    /// Whether a column is more than a combination of the biases.
     #[must_use]
     pub fn is_excited(&self, column: usize) -> bool {
         let at = column + 1;
@@ -104,7 +105,7 @@ impl Information {
         self.gram[(0, 0)]
     }
 
-    /// The fit on some columns; `None` where they can't be told apart.
+    /// The fit on some columns; `None` where they cannot be told apart.
     #[must_use]
     pub fn solve(&self, columns: &[usize]) -> Option<Solution> {
         if columns.is_empty() {
@@ -139,8 +140,8 @@ impl Information {
         })
     }
 
-    /// The least-squares coefficients of a combination of the columns (one factor a column) on some of them;
-    /// `None` where these can't be told apart.
+    /// The least-squares coefficients of a combination of the columns (one factor per column) on some of
+    /// them; `None` where these cannot be told apart.
     #[must_use]
     pub fn regression(&self, combination: &[f64], on: &[usize]) -> Option<Vec<f64>> {
         let mut of = self.clone();
@@ -154,8 +155,7 @@ impl Information {
         of.solve(on).map(|solution| solution.coefficients)
     }
 
-    /// As [`Self::solve`], with what is believed of each column's coefficient beforehand, as a sigma about
-    /// zero.
+    /// As [`Self::solve`], with a prior for each column's coefficient, as a sigma about zero.
     #[must_use]
     pub fn solve_with_prior(&self, columns: &[usize], sigmas: &[f64]) -> Option<Solution> {
         let mut with = self.clone();
@@ -179,7 +179,7 @@ impl Information {
         let alone = |column: usize| {
             let columns: Vec<usize> = others.iter().copied().chain([column]).collect();
             let solution = self.solve(&columns)?;
-            // The last diagonal of the covariance is the inverse of what is left of the column.
+            // The last diagonal element of the covariance is the inverse of the column's remaining square.
             solution.covariance.last().map(|variance| 1.0 / variance)
         };
         let left = alone(a)?;
@@ -195,8 +195,8 @@ fn present(products: &DMatrix<f64>, own: usize) -> Vec<usize> {
     (1..=own).filter(|column| products[(*column, *column)] > 0.0).collect()
 }
 
-/// The own columns of a flight that have a reading, and Cholesky's factor of their normal equations; `None`
-/// where they can't be told apart.
+/// The own columns of a flight that have a reading, and the Cholesky factor of their normal equations; `None`
+/// where they cannot be told apart.
 #[must_use]
 pub fn own_factor(products: &DMatrix<f64>, own: usize) -> Option<(Vec<usize>, Cholesky<f64, Dyn>)> {
     let present = present(products, own);
@@ -204,7 +204,7 @@ pub fn own_factor(products: &DMatrix<f64>, own: usize) -> Option<(Vec<usize>, Ch
     Some((present, factor))
 }
 
-/// The own coefficients of a flight (biases first) given the common ones; zero where there is no reading.
+/// The own coefficients of a flight (biases first), given the common ones; zero where there is no reading.
 #[must_use]
 pub fn own_coefficients(products: &DMatrix<f64>, own: usize, common: &[f64]) -> Vec<f64> {
     let mut coefficients = vec![0.0; own];
@@ -276,7 +276,7 @@ mod tests {
         let made = of(&second).with_response(&[0, 1], &[0.5, 7.0]);
         let solution = made.solve(&[0, 1]).unwrap();
         assert!((solution.coefficients[0] - 0.5).abs() < 1e-9 && solution.rest.abs() < 1e-6, "{solution:?}");
-        // Of one of the two columns the other's part is left.
+        // With only one of the two columns, the other's part remains.
         assert!(made.solve(&[0]).unwrap().rest > 1.0);
         let mut both = Information::new(3);
         both.add_flight(&first, 1, rows, 0.0);

@@ -1,5 +1,5 @@
-//! What one effect's coefficient is learned from: the flights' block means, the noise that goes with
-//! them, and the terms that must be estimated beside it.
+//! What one effect's coefficient is learned from: the flights' block means, their noise, and the terms that
+//! must be estimated together with it.
 
 use kf_core::effect::Regressor;
 
@@ -15,16 +15,17 @@ pub struct Term {
     pub regressor: Regressor,
     /// Its column.
     pub column: usize,
-    /// What the model knows of its coefficient, as a sigma about what was taken off already; `None`: nothing.
+    /// The model's uncertainty of its coefficient, as a sigma about the value already subtracted; `None`:
+    /// unknown.
     pub known_sigma: Option<f64>,
 }
 
-/// A column that is no effect, with a coefficient of each flight's own.
+/// A column that is not an effect, with a separate coefficient for each flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nuisance {
     /// Its column.
     pub column: usize,
-    /// What is believed of its coefficient, as a sigma about zero.
+    /// Prior of its coefficient, as a sigma about zero.
     pub sigma: f64,
 }
 
@@ -33,23 +34,23 @@ pub struct Nuisance {
 pub struct LearningProblem {
     /// The flights' block means.
     pub flights: Vec<Series>,
-    /// The noise fitted beside the terms.
+    /// The noise fitted together with the terms.
     pub noise: Noise,
-    /// The effect first; then what else acts, and what the model has already.
+    /// The effect first, then the other effects that act and those that the model already has.
     pub terms: Vec<Term>,
-    /// The wind's share of the airspeed, north and east, where a flight has the speed over ground only.
+    /// The wind's share of the airspeed, north and east, where a flight has only the speed over ground.
     pub wind: Option<[Nuisance; 2]>,
-    /// By how much the coefficient's variance is larger than a fit with this noise says: the spread over
-    /// the parts of the flights, and the autocorrelation that is left.
+    /// Factor by which the coefficient's variance exceeds that of a fit with this noise: from the spread over
+    /// the parts of the flights, and the remaining autocorrelation.
     pub inflation: f64,
-    /// The share of the coefficient that is unsure beside its noise: signals have scale errors of their own.
+    /// The share of the coefficient that is uncertain in addition to its noise: signals have scale errors.
     pub scale: f64,
-    /// What it is unsure by besides, in its unit: it is no constant.
+    /// Further uncertainty of the coefficient, in its unit, because it is not constant.
     pub unsteadiness: f64,
-    /// What the diagnosis itself makes of the coefficient, in f64, and the held-out errors.
+    /// The diagnosis' own estimate of the coefficient, in f64, and the held-out errors.
     pub facts: CandidateFacts,
-    /// What the flights' own stretches say of the coefficient.
+    /// The evidence of the flights' own stretches about the coefficient.
     pub folds: Folds,
-    /// What the held-out flights say of it, if there are any.
+    /// The evidence of the held-out flights, if there are any.
     pub held_out: Option<Evidence>,
 }

@@ -1,5 +1,5 @@
-//! How much wider a coefficient's error is than its fit says, because the whitened residual is not
-//! quite white.
+//! How much larger a coefficient's error is than its fit reports, because the whitened residual is not quite
+//! white.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,11 +8,11 @@ use super::noise::Noise;
 use super::problem::Problem;
 use super::whitener::whiten;
 
-/// Longest lag that is looked at, seconds: slower errors are the wander's, which the fit has.
+/// Longest lag used, seconds: slower errors belong to the wander, which the fit includes.
 const LONGEST_LAG_S: f64 = 8.0;
 
-/// Long-run variance of each coefficient's score over the variance that the fit takes for it, at least
-/// one (Newey and West, "A simple, positive semi-definite, heteroskedasticity and autocorrelation consistent
+/// Long-run variance of each coefficient's score over the variance that the fit assumes for it, at least one
+/// (Newey and West, "A simple, positive semi-definite, heteroskedasticity and autocorrelation consistent
 /// covariance matrix", Econometrica 55, 1987; weights falling linearly with the lag).
 #[must_use]
 pub fn inflation(problem: &Problem<'_>, noise: &Noise, picks: &[usize]) -> Vec<f64> {
@@ -47,7 +47,7 @@ pub fn inflation(problem: &Problem<'_>, noise: &Noise, picks: &[usize]) -> Vec<f
         .collect()
 }
 
-/// Long-run variance of a sum of blocks of that length (seconds).
+/// Long-run variance of a sum of blocks of this length (seconds).
 #[must_use]
 pub fn variance(score: &[f64], block_s: f64) -> f64 {
     let lags = (LONGEST_LAG_S / block_s).ceil() as usize;
@@ -59,7 +59,7 @@ pub fn variance(score: &[f64], block_s: f64) -> f64 {
     terms.sum()
 }
 
-/// What of a column is left after all the others but the residual are projected out of it.
+/// What remains of a column after all the others except the residual are projected out of it.
 fn against_others(matrix: &DMatrix<f64>, column: usize, width: usize) -> DVector<f64> {
     let others: Vec<usize> =
         (1..width).filter(|c| *c != column && matrix.column(*c).norm_squared() > 0.0).collect();

@@ -1,34 +1,34 @@
-//! Manoeuvres that an advice may ask for, flown by a point mass, so that their information can be
-//! computed before anyone flies them.
+//! Manoeuvres that advice may ask for, flown by a point mass, so that their information can be computed
+//! before they are flown.
 
 use kf_core::input::{GpsFix, ImuSample, Signals, TickInput};
 
 const GRAVITY: f64 = 9.806_65;
-/// Pull-ups and push-overs: the climb rate's amplitude over the cruise's speed, and its angular frequency,
+/// Pull-ups and push-overs: the climb rate's amplitude over the cruise speed, and its angular frequency,
 /// rad/s (a period of 6 s).
 const PULL: f64 = 0.08;
 const PULL_RATE: f64 = 1.05;
-/// Ticks a second.
+/// Ticks per second.
 const RATE: f64 = 10.0;
 /// Straight and level before every manoeuvre, as in captive flight, seconds.
 pub const CAPTIVE_S: f64 = 60.0;
 /// Length of a manoeuvre, seconds.
 pub const LENGTH_S: f64 = 120.0;
 
-/// A manoeuvre: what the pilot or autopilot holds as a function of the time since its start.
+/// A manoeuvre: what the pilot or autopilot commands as a function of the time since its start.
 pub struct Manoeuvre {
     /// What to fly, with `{slow}`, `{cruise}` and `{fast}` for speeds in m/s, and `{light}` and `{heavy}` for
-    /// a pull-up's load factors.
+    /// the load factors of a pull-up.
     say: &'static str,
-    /// Speed over the cruise's.
+    /// Speed over the cruise speed.
     speed: fn(f64) -> f64,
-    /// Climb rate over the cruise's speed.
+    /// Climb rate over the cruise speed.
     climb: fn(f64) -> f64,
     /// Bank, rad.
     bank: fn(f64) -> f64,
     /// Sideslip, rad.
     sideslip: fn(f64) -> f64,
-    /// Throttle over what drag and acceleration ask for.
+    /// Throttle in addition to what drag and acceleration need.
     power: fn(f64) -> f64,
 }
 
@@ -40,7 +40,7 @@ fn steady(_: f64) -> f64 {
     1.0
 }
 
-/// Up and down between -1 and 1, staying at each for a quarter of the period.
+/// Steps up and down between -1 and 1, staying at each for a quarter of the period.
 fn steps(time_s: f64, period_s: f64) -> f64 {
     let phase = (time_s / period_s).fract() * 4.0;
     match phase {
@@ -52,7 +52,7 @@ fn steps(time_s: f64, period_s: f64) -> f64 {
     }
 }
 
-/// The manoeuvres that an advice chooses among.
+/// The manoeuvres that the advice chooses from.
 pub const MANOEUVRES: [Manoeuvre; 9] = [
     Manoeuvre {
         say: "a level speed sweep from {slow} to {fast} m/s and back at constant altitude",
@@ -136,7 +136,7 @@ pub const MANOEUVRES: [Manoeuvre; 9] = [
     },
 ];
 
-/// Where a manoeuvre starts.
+/// The state in which a manoeuvre starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trim {
     /// True airspeed, m/s.
@@ -200,7 +200,7 @@ impl Manoeuvre {
             let throttle =
                 (0.5 + power + along / GRAVITY + 0.3 * (speed / trim.speed_mps - 1.0)).clamp(0.0, 1.0);
             let drag_free = along + GRAVITY * libm::sin(path);
-            // A shake of known size, alternating from tick to tick, stands for vibration.
+            // A vibration of known size, alternating from tick to tick.
             let shake = (0.3 + throttle) * if tick % 2 == 0 { 1.0 } else { -1.0 };
             inputs.push(TickInput {
                 time_us: (k * dt * 1e6).round() as u64,
@@ -241,11 +241,11 @@ mod tests {
     use super::*;
 
     const TRIM: Trim = Trim { speed_mps: 40.0, altitude_m: 1_500.0, angle_of_attack_rad: 0.05 };
-    /// Single precision of what is compared, in its own unit.
+    /// Single-precision error of the compared values, in their own unit.
     const ROUNDING: f64 = 1e-3;
 
-    /// The steps go up to one within an eighth of the period, stay there for a quarter, and so down to minus
-    /// one and back.
+    /// The steps rise to one within an eighth of the period, stay there for a quarter, and likewise fall to
+    /// minus one and return.
     #[test]
     fn steps_stay_at_their_ends_for_a_quarter() {
         let eighths = [0.0, 1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0];
@@ -259,14 +259,14 @@ mod tests {
         assert!((steps(37.5, 40.0) + 0.5).abs() < 1e-9);
     }
 
-    /// What is asked for names the speeds that are flown.
+    /// The text names the speeds that are flown.
     #[test]
     fn the_words_have_the_speeds() {
         assert!(MANOEUVRES[0].say(&TRIM).contains("from 30 to 50 m/s"));
         assert!(MANOEUVRES[1].say(&TRIM).contains("at constant 40 m/s"));
     }
 
-    /// A pull-up at such a speed takes more lift the faster the aircraft is, and the words have what is
+    /// A pull-up at such a speed takes more lift the faster the aircraft is, and the text gives what is
     /// flown.
     #[test]
     fn the_words_have_the_load_factors_of_that_speed() {
@@ -291,7 +291,7 @@ mod tests {
         (airspeed, velocity.map(|value| f64::from(value.unwrap())), attitude.map(f64::from))
     }
 
-    /// Three minutes at ten ticks a second, of which the first one is captive, straight and level.
+    /// Three minutes at ten ticks a second, the first of which is captive, straight and level.
     #[test]
     fn a_minute_straight_and_level_comes_first() {
         for manoeuvre in &MANOEUVRES {
@@ -308,7 +308,7 @@ mod tests {
 
     /// A point mass: the velocity is as long as the airspeed and points along the heading; the altitude is
     /// the climb rate's integral; a bank turns by g tan(bank) / v; the lift carries the weight, the turn and
-    /// the change of climb rate, and the angle of attack is what it takes.
+    /// the change of climb rate, and the angle of attack is the one that this lift needs.
     #[test]
     fn every_manoeuvre_is_a_point_masss() {
         for (number, manoeuvre) in MANOEUVRES.iter().enumerate() {
@@ -347,11 +347,11 @@ mod tests {
                     (shake * sign - 0.3 - throttle).abs() < ROUNDING,
                     "vibration grows with the throttle"
                 );
-                // The standard atmosphere's lapse rate, of 15 degrees at sea level.
+                // The standard atmosphere's lapse rate, from 15 degrees at sea level.
                 let altitude_m = f64::from(tick.gps.unwrap().altitude_m);
                 let air_c = f64::from(tick.signals.outside_air_temperature_c.unwrap());
                 assert!((air_c - 15.0 + 0.0065 * altitude_m).abs() < ROUNDING);
-                // The barometer cools by 2 K a hundred seconds, and by 3 K a kilometre.
+                // The barometer cools by 2 K in a hundred seconds, and by 3 K per kilometre.
                 let baro_c = f64::from(tick.signals.baro_temperature_c.unwrap());
                 let time_s = tick.time_us as f64 * 1e-6;
                 assert!((baro_c - 20.0 + 0.003 * altitude_m + 0.02 * time_s).abs() < ROUNDING);
@@ -360,22 +360,22 @@ mod tests {
     }
 
     /// The throttle is half open in level cruise, and more where the aircraft accelerates, flies fast or is
-    /// given power.
+    /// commanded more power.
     #[test]
     fn the_throttle_goes_with_speed_acceleration_and_power() {
         let throttle = |number: usize, tick: usize| {
             f64::from(MANOEUVRES[number].fly(&TRIM)[tick].signals.throttle.unwrap())
         };
         assert!((throttle(6, 300) - 0.5).abs() < ROUNDING && (throttle(6, 1_500) - 0.5).abs() < ROUNDING);
-        // The speed sweep, at a quarter more: 0.3 of that.
+        // The speed sweep, a quarter faster: 0.3 of that.
         assert!((throttle(0, 600 + 150) - 0.575).abs() < ROUNDING);
-        // Going there, by 10 m/s within 7.5 s: 0.136 g; after 3.75 s at an eighth more.
+        // On the way there, by 10 m/s within 7.5 s: 0.136 g; after 3.75 s an eighth faster.
         assert!((throttle(0, 600 + 37) - 0.5 - 10.0 / 7.5 / GRAVITY - 0.3 * 0.125).abs() < 0.005);
         // Full power of the throttle steps.
         assert!((throttle(5, 600 + 150) - 0.85).abs() < ROUNDING);
     }
 
-    /// Each manoeuvre does what its words say: the speeds, the climb, the bank, the sideslip.
+    /// Each manoeuvre does what its text asks for: the speeds, the climb, the bank, the sideslip.
     #[test]
     fn the_manoeuvres_do_what_they_say() {
         let range = |number: usize, of: &dyn Fn(&TickInput) -> f64| {
@@ -403,7 +403,7 @@ mod tests {
             let [_, shake, z] = tick.imu.unwrap().accel_mps2.map(f64::from);
             -(z - shake) / GRAVITY
         };
-        // Half a g either way is what 0.08 of the speed at 1.05 rad/s comes to at 58 m/s; at 40 m/s 0.34 g.
+        // Half a g either way is 0.08 of the speed at 1.05 rad/s at 58 m/s; at 40 m/s it is 0.34 g.
         let (least, most) = range(2, &load_factor);
         assert!((least - 0.66).abs() < 0.02 && (most - 1.34).abs() < 0.02, "{least} {most}");
     }

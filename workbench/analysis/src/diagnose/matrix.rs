@@ -2,8 +2,9 @@
 
 use nalgebra::DMatrix;
 
-/// The product of two matrices, each entry summed in the order of the inner index. `nalgebra`'s own takes the
-/// widest instructions that the processor has, fused ones among them, for all but the smallest.
+/// The product of two matrices, each entry summed in the order of the inner index. For all but the smallest
+/// matrices, `nalgebra`'s own product uses the widest instructions that the processor has, including fused
+/// ones.
 #[must_use]
 pub fn product(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(left.nrows(), right.ncols(), |r, c| {

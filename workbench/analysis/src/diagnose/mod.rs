@@ -1,23 +1,23 @@
 //! Which physical effect a model lacks.
 //!
-//! The residuals of all sensors are one likelihood: the reference's wander is in all of them, each has
-//! its own wander and white noise besides, and all of these are estimated together with the effects, anew
-//! for every set of effects that is looked at. That likelihood is a Kalman filter's innovations
-//! (`whitener`), so it is linear in the length of the flight.
+//! The residuals of all sensors form one likelihood. The reference's wander is in all of them, each also has
+//! its own wander and white noise, and all of these are estimated together with the effects, again for every
+//! set of effects that is tried. That likelihood is computed from a Kalman filter's innovations (`whitener`),
+//! so its cost is linear in the length of the flight.
 //!
-//! `work` does it:
+//! `work` runs it:
 //!
-//! 1. `prepare`: `from_replay` makes block means of a flight's ticks, of residuals and of every candidate's
+//! 1. `prepare`: `from_replay` makes block means of a flight's ticks: residuals and every candidate's
 //!    regressor.
-//! 2. `search`: the most probable set of effects among the `suspects`; `simplicity`: whether fewer do.
+//! 2. `search`: the most probable set of effects among the `suspects`; `simplicity`: whether fewer suffice.
 //!    Where the climb rate is not measured, `posterior`: how probable each set is.
 //! 3. `repeatability`: whether its coefficients repeat from part to part of the flight.
-//! 4. `rivals`: what could act in its place.
+//! 4. `rivals`: what could replace it.
 //! 5. `unknown`: what nothing in the catalogue explains.
 //! 6. `excitation`, `advice`: what the flight could not have shown, and what to fly.
 //! 7. `judge`: the verdicts, and the `learning_problem` that one effect's coefficient is learned from.
 //!
-//! `planner`: what one more flight would tell, before it is flown.
+//! `planner`: what one more flight would show, before it is flown.
 //!
 //! `study` is a diagnosis that ends in a learning problem, for `crate::learn`.
 
@@ -101,7 +101,7 @@ pub use study::{study, study_remembering};
 pub use wanted_effect::WantedEffect;
 pub use work::{Work, diagnose};
 
-// What `crate::discover` works with as well.
+// Parts that `crate::discover` uses as well.
 pub(crate) mod parts {
     pub(crate) use super::advice::{BLOCK_S as ADVICE_BLOCK_S, flown};
     pub(crate) use super::candidates::Candidate;

@@ -1,4 +1,4 @@
-//! A flight and its name, and the block means that have been made of it.
+//! A flight and its name, and the block means that have been computed for it.
 
 use std::sync::OnceLock;
 
@@ -10,7 +10,7 @@ use super::epochs::Epochs;
 use super::from_replay::{Measured, epochs};
 use super::physical_range::measures_climb_rate;
 
-/// A flight ready to be replayed, and what the user calls it.
+/// A flight ready to be replayed, and the user's name for it.
 pub struct NamedReplay<'a> {
     /// The file.
     pub file: String,
@@ -26,20 +26,20 @@ struct BlockMeans {
 }
 
 impl<'a> NamedReplay<'a> {
-    /// A replay under a name.
+    /// A replay with a name.
     #[must_use]
     pub const fn new(file: String, replay: Replay<'a>) -> Self {
         Self { file, replay, kept: OnceLock::new() }
     }
 
-    /// The first of the diagnosis' two passes over the flight, to look on at a pass that is made for others.
-    /// `None` where block means are kept already.
+    /// The first of the diagnosis' two passes over the flight, which can observe a pass made for another
+    /// purpose. `None` where block means are kept already.
     #[must_use]
     pub fn measuring(&self) -> Option<Measured> {
         self.kept.get().is_none().then(|| Measured::of(&self.replay))
     }
 
-    /// Makes the block means of what that pass measured, and keeps them for every diagnosis of this flight.
+    /// Computes the block means from that pass, and keeps them for every diagnosis of this flight.
     pub fn keep(&self, measured: Measured, executor: &dyn Executor) {
         self.kept.get_or_init(|| {
             let candidates = self.own_candidates();
@@ -48,7 +48,7 @@ impl<'a> NamedReplay<'a> {
         });
     }
 
-    /// Makes the block means and keeps them, unless that is done.
+    /// Computes the block means and keeps them, unless this has been done.
     pub(super) fn keep_all(&self, executor: &dyn Executor) {
         self.kept.get_or_init(|| {
             let candidates = self.own_candidates();
@@ -57,7 +57,7 @@ impl<'a> NamedReplay<'a> {
         });
     }
 
-    /// The block means of these candidates: those that are kept where all are among them, else new ones.
+    /// The block means of these candidates: the kept ones if they include all of them, else new ones.
     pub(super) fn epochs(&self, candidates: &[Candidate], executor: &dyn Executor) -> Epochs {
         let kept = self.kept.get().and_then(|kept| {
             let place = |candidate: &Candidate| kept.candidates.iter().position(|other| other == candidate);
@@ -67,7 +67,7 @@ impl<'a> NamedReplay<'a> {
         kept.unwrap_or_else(|| epochs(&self.replay, candidates, executor))
     }
 
-    /// With flights that lack a measured climb rate some of these are not tried, and none besides.
+    /// Together with flights that lack a measured climb rate, some of these are not tried, but no others are.
     fn own_candidates(&self) -> Vec<Candidate> {
         let (tried, known) = candidates(self.replay.model(), measures_climb_rate(&self.replay), None);
         [tried, known].concat()
@@ -84,7 +84,7 @@ mod tests {
 
     use super::*;
 
-    /// A minute at 10 Hz, launched after half of it.
+    /// A minute at 10 Hz, launched halfway.
     fn flight() -> flight_data::Flight {
         let header = "time_s,launch,gps_alt_m,gps_vn_mps,gps_ve_mps,gps_vd_mps,baro_alt_m";
         let mut csv = format!("# pylon-flight: 1\n{header}\n");
@@ -111,7 +111,7 @@ mod tests {
             assert!(anew.available.contains(&true) && anew.available.contains(&false));
             assert_eq!(anew.series.columns.len(), asked.len());
         }
-        // What was not kept is made: a lag in a shape that is not the catalogue's.
+        // Block means that were not kept are computed: a lag in a shape that is not the catalogue's.
         let mut other = kept.own_candidates();
         let lag = other.iter().position(|candidate| candidate.effect() == EffectId::BaroLag).unwrap();
         other[lag].smoothing_s = 0.375;

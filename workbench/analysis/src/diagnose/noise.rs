@@ -1,5 +1,5 @@
-//! What the residuals are made of besides effects: the reference's wander, which is common to all
-//! sensors, and every sensor's own.
+//! What the residuals contain besides effects: the reference's wander, which is common to all sensors, and
+//! every sensor's own noise.
 
 use kf_core::config::{ReferenceConfig, SensorConfig};
 use kf_core::sensor::SENSORS;
@@ -18,14 +18,14 @@ pub struct GaussMarkov {
 /// One sensor's own noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorNoise {
-    /// What keeps its sign over many blocks.
+    /// The slow part, which keeps its sign over many blocks.
     pub wander: GaussMarkov,
-    /// White noise of the mean of a full block in captive flight, metres: the mother ship's flow is in it.
+    /// White noise of the mean of a full block in captive flight, metres; it includes the mother ship's flow.
     pub captive_white_m: f64,
     /// White noise of the mean of a full block in free flight, metres.
     pub free_white_m: f64,
-    /// How many times larger the wander is in free flight than in captive flight. An error that is
-    /// there only in free flight, and that no effect explains, shows here.
+    /// How many times larger the wander is in free flight than in captive flight. An error that exists only
+    /// in free flight and that no effect explains appears here.
     pub free_flight_factor: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct Noise {
     pub slow: GaussMarkov,
     /// White noise of one fix, metres.
     pub fix_sigma_m: f64,
-    /// The sensors' own.
+    /// The sensors' own noise.
     pub sensors: [SensorNoise; SENSORS],
 }
 
@@ -52,48 +52,48 @@ impl Noise {
     }
 }
 
-/// How many times a full block's variance the white noise of a block's mean has.
+/// Variance of the white noise of a block's mean, relative to that of a full block.
 #[must_use]
 pub fn white_share(series: &Series, block: usize, sensor: usize) -> f64 {
     series.full_block[sensor] / f64::from(series.readings[block][sensor])
 }
 
-/// The slope of a function of the noise in a Gauss-Markov process' numbers.
+/// Derivatives of a function of the noise with respect to a Gauss-Markov process' parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProcessSlope {
-    /// In its variance, 1/m^2.
+    /// With respect to its variance, 1/m^2.
     pub variance: f64,
-    /// In its correlation time, 1/s.
+    /// With respect to its correlation time, 1/s.
     pub time: f64,
 }
 
-/// The same in a sensor's own noise.
+/// Derivatives with respect to a sensor's own noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SensorSlope {
-    /// In its wander in captive flight; the time's in all of the flight.
+    /// With respect to its wander in captive flight; the time's over all of the flight.
     pub captive: ProcessSlope,
-    /// In the variance of its wander in free flight, 1/m^2.
+    /// With respect to the variance of its wander in free flight, 1/m^2.
     pub free_variance: f64,
-    /// In the variance of its white noise in captive flight, 1/m^2.
+    /// With respect to the variance of its white noise in captive flight, 1/m^2.
     pub captive_white_variance: f64,
-    /// In free flight.
+    /// The same in free flight.
     pub free_white_variance: f64,
 }
 
-/// The slope of a function of the noise in its numbers.
+/// Derivatives of a function of the noise with respect to its parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoiseSlope {
-    /// In the reference's wander.
+    /// With respect to the reference's wander.
     pub reference: ProcessSlope,
-    /// In the slow wander.
+    /// With respect to the slow wander.
     pub slow: ProcessSlope,
-    /// In the variance of a fix, 1/m^2.
+    /// With respect to the variance of a fix, 1/m^2.
     pub fix_variance: f64,
-    /// In the sensors' own.
+    /// With respect to the sensors' own noise.
     pub sensors: [SensorSlope; SENSORS],
 }
 
-/// Which of a noise's numbers a parameter is.
+/// Which part of the noise a parameter is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Part {
     ReferenceSigma,
@@ -109,9 +109,9 @@ enum Part {
 }
 
 impl Part {
-    /// What the number can't be below. A wander that is faster than these is white noise of the blocks;
-    /// without a bound, a fit would call fast noise wander, and have none left for the slow errors that
-    /// a bias and an effect have to be told from.
+    /// Lower bound of the value. A wander that is faster than this is white noise of the blocks. Without a
+    /// bound, a fit would treat fast noise as wander, and have none left for the slow errors from which a
+    /// bias and an effect must be distinguished.
     const fn least(self) -> f64 {
         match self {
             Self::ReferenceTime => 8.0,
@@ -121,7 +121,7 @@ impl Part {
     }
 }
 
-/// A parameter: the logarithm of one of the noise's numbers over its least, with a normal prior.
+/// A parameter: the logarithm of one of the noise's values in excess of its lower bound, with a normal prior.
 #[derive(Clone, Copy, Debug)]
 struct Parameter {
     part: Part,
@@ -129,35 +129,36 @@ struct Parameter {
     sigma: f64,
 }
 
-/// Which numbers of the noise are estimated, and what is believed of them beforehand.
+/// Which values of the noise are estimated, and their priors.
 ///
-/// The priors are weak: a factor of two to five either way (1 sigma). They keep a number that a flight
-/// says nothing about (a correlation time longer than the flight) where the model file has it.
+/// The priors are weak: a factor of two to five either way (1 sigma). They keep a value about which a flight
+/// has no information (a correlation time longer than the flight) where the model file has it.
 #[derive(Clone, Debug)]
 pub struct NoisePrior {
     parameters: Vec<Parameter>,
     start: Noise,
 }
 
-/// Sigma of the logarithm of a size of which only the order is known: a factor of four.
+/// Sigma of the logarithm of a size of which only the order of magnitude is known: a factor of four.
 const ORDER: f64 = 1.4;
-/// Of a wander's size: a factor of 2.7. A wander of nothing would make a step of anything significant.
+/// The same for a wander's size: a factor of 2.7. With no wander at all, a step of any size would be
+/// significant.
 const WANDER_ORDER: f64 = 1.0;
-/// Of a correlation time: a factor of two.
+/// The same for a correlation time: a factor of two.
 const TIME_ORDER: f64 = 0.7;
-/// Of the ratio of the white noise after launch to that before: a factor of two. The mother ship's flow is
-/// gone, the sensor's own propeller and angle of attack are new.
+/// The same for the ratio of the white noise after launch to that before: a factor of two. The mother ship's
+/// flow is gone, and the sensor's own propeller and angle of attack are new.
 const WHITE_ORDER: f64 = 0.7;
 /// Correlation time of the slow wander, seconds: that of a flight's weather and of a receiver's
-/// constellation, which a wander of minutes cannot take the part of.
+/// constellation, which a wander of minutes cannot represent.
 const SLOW_S: f64 = 1200.0;
-/// Of a factor that is held at one.
+/// The same for a factor that is held at one.
 const HELD: f64 = 0.02;
-/// Of the free-flight factor: a healthy sensor is not noisier after launch by more than some 30 %.
+/// The same for the free-flight factor: a healthy sensor is noisier after launch by at most about 30 %.
 const FACTOR_ORDER: f64 = 0.25;
 
 impl NoisePrior {
-    /// The prior for flights of these sensors with a model's noise.
+    /// The prior for flights with these sensors, from a model's noise.
     #[must_use]
     pub fn new(flights: &[Series], reference: &ReferenceConfig, sensors: &[SensorConfig; SENSORS]) -> Self {
         let or = |value: f32, default: f64| if value > 0.0 { f64::from(value) } else { default };
@@ -208,9 +209,10 @@ impl NoisePrior {
         Self { parameters, start }
     }
 
-    /// The prior with a slow wander beside the reference's, for flights whose only witness of a slow error is
-    /// one sensor against the receiver: weather, a warming instrument and the receiver's own slow errors are
-    /// no single Gauss-Markov process, and a drift is told from them, not from the one of a minute.
+    /// The prior with a slow wander in addition to the reference's, for flights whose only evidence of a slow
+    /// error is one sensor against the receiver. Weather, a warming instrument and the receiver's own slow
+    /// errors are not a single Gauss-Markov process; a drift must be distinguished from them, not from the
+    /// wander of a minute.
     #[must_use]
     pub fn with_slow_wander(mut self) -> Self {
         let mean = libm::log(0.5 * self.start.reference.sigma_m);
@@ -218,13 +220,13 @@ impl NoisePrior {
         self
     }
 
-    /// The prior's means: where a search starts.
+    /// The prior's means, where a search starts.
     #[must_use]
     pub fn means(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.mean).collect()
     }
 
-    /// Logarithm of the prior's density but for a constant.
+    /// Logarithm of the prior's density, up to a constant.
     #[must_use]
     pub fn log_density(&self, values: &[f64]) -> f64 {
         let terms = self.parameters.iter().zip(values).map(|(parameter, value)| {
@@ -234,11 +236,11 @@ impl NoisePrior {
         terms.sum()
     }
 
-    /// The noise of these parameters.
+    /// The noise with these parameters.
     #[must_use]
     pub fn noise(&self, values: &[f64]) -> Noise {
         let mut noise = self.start;
-        // A factor comes after what it multiplies.
+        // A factor comes after the value that it multiplies.
         for (parameter, value) in self.parameters.iter().zip(values) {
             let value = parameter.part.least() + libm::exp(*value);
             match parameter.part {
@@ -259,7 +261,7 @@ impl NoisePrior {
         noise
     }
 
-    /// The slope in the parameters of what has this slope in the noise's numbers.
+    /// Derivatives with respect to the parameters, from the derivatives with respect to the noise's values.
     #[must_use]
     pub fn slope(&self, values: &[f64], of: &NoiseSlope) -> Vec<f64> {
         let noise = self.noise(values);
@@ -298,7 +300,7 @@ impl NoisePrior {
                     2.0 * sigma_m2 * own.free_flight_factor * of.free_variance
                 }
             };
-            // A number is its least and the exponential of its parameter.
+            // A value is its lower bound plus the exponential of its parameter.
             by_number * libm::exp(*value)
         });
         terms.collect()
@@ -313,13 +315,13 @@ impl NoisePrior {
             .collect()
     }
 
-    /// The prior with a sensor's wander the same before and after launch; `None` where it is that already.
+    /// The prior with a sensor's wander the same before and after launch; `None` where it already is.
     #[must_use]
     pub fn with_steady_wander(&self, sensor: usize) -> Option<Self> {
         self.held(Part::FreeFlightFactor(sensor))
     }
 
-    /// The same for its white noise.
+    /// The same for the sensor's white noise.
     #[must_use]
     pub fn with_steady_white(&self, sensor: usize) -> Option<Self> {
         self.held(Part::WhiteFactor(sensor))
@@ -338,7 +340,7 @@ mod tests {
 
     use super::*;
 
-    /// A flight of one sensor with both phases, of `free` blocks or of none.
+    /// A flight of one sensor with both phases, with `free` blocks or none.
     fn prior() -> NoisePrior {
         let mut series = Series { block_s: 1.0, full_block: [10.0; SENSORS], ..Series::default() };
         for block in 0..40 {
@@ -352,7 +354,8 @@ mod tests {
         NoisePrior::new(&[series], &model.reference, &model.sensors)
     }
 
-    /// The density is normal in every parameter: a sigma away it is lower by a half, two by two.
+    /// The density is normal in every parameter: one sigma away it is lower by a half, two sigmas away by
+    /// two.
     #[test]
     fn a_priors_density_is_normal() {
         let prior = prior();
@@ -381,13 +384,13 @@ mod tests {
         let sensor = prior.noise(&values).sensors[2];
         assert!((sensor.captive_white_m - 0.5).abs() < 1e-12 && (sensor.free_white_m - 1.5).abs() < 1e-12);
         assert!((sensor.free_flight_factor - 1.25).abs() < 1e-12);
-        // A correlation time has a least one.
+        // A correlation time has a lower bound.
         values[at(Part::WanderTime(2))] = libm::log(10.0);
         assert!((prior.noise(&values).sensors[2].wander.time_s - 13.0).abs() < 1e-12);
     }
 
-    /// A prior that holds a part at one believes in little else; of a sensor that is not there nothing can be
-    /// held. The slow wander is a parameter more.
+    /// A prior that holds a part at one allows little else; for a missing sensor nothing can be held. The
+    /// slow wander is one more parameter.
     #[test]
     fn a_held_part_stays_where_it_is() {
         let prior = prior();

@@ -1,18 +1,18 @@
-//! What a planned flight would tell: how sure each effect's coefficient would be, and what would be left of
-//! each set.
+//! What a planned flight would show: how certain each effect's coefficient would be, and what would be left
+//! of each set.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::name::Name;
 
-/// What the flights tell now, and what they would tell with the planned one.
+/// What the flights show now, and what they would show with the planned one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Outlook {
-    /// Every effect that the flights have the signals of, those that were found first.
+    /// Every effect whose signals the flights have, those that were found first.
     pub effects: Vec<EffectOutlook>,
-    /// Every set of effects that the flights can't tell apart.
+    /// Every set of effects that the flights cannot tell apart.
     pub sets: Vec<SetOutlook>,
 }
 
@@ -28,28 +28,29 @@ pub struct EffectOutlook {
     pub unit: Name,
     /// Whether it was found to act.
     pub is_found: bool,
-    /// The coefficient as the flights have it, beside the effects that were found; null where they do not
-    /// show it.
+    /// The coefficient from these flights, estimated together with the effects that were found; null where
+    /// they do not show it.
     pub coefficient: Option<f64>,
-    /// One sigma of it now, as the diagnosis has it; null where the flights do not show it.
+    /// One sigma of the coefficient now, as in the diagnosis; null where the flights do not show it.
     pub sigma_now: Option<f64>,
     /// One sigma with the planned flight; null where that does not show it either.
     pub sigma_then: Option<f64>,
-    /// The largest coefficient that nature makes, either way.
+    /// The largest physically possible coefficient, either way.
     pub largest: f64,
-    /// Whether the flights would have shown it at that size.
+    /// Whether the flights would have shown a coefficient of that size.
     pub is_seen_now: bool,
-    /// Whether the flights and the planned one would.
+    /// Whether the flights together with the planned one would.
     pub is_seen_then: bool,
-    /// Whether the plan has its signals. One by formula may need a column that no simulation has.
+    /// Whether the plan has the effect's signals. An effect by formula may need a column that no simulation
+    /// has.
     pub is_planned: bool,
 }
 
-/// Effects of which one acts.
+/// A set of effects of which one acts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SetOutlook {
-    /// Its effects, the most probable first.
+    /// The effects of the set, the most probable first.
     pub members: Vec<MemberOutlook>,
 }
 
@@ -59,13 +60,13 @@ pub struct SetOutlook {
 pub struct MemberOutlook {
     /// Its id.
     pub effect: Name,
-    /// The probability that it is the one that acts, now.
+    /// The probability now that this effect is the one that acts.
     pub probability: f64,
-    /// The probability that it would be given with the planned flight, if it is the one: the median over that
-    /// flight's noise. Null for one whose signal the flights lack.
+    /// The probability that it would be given with the planned flight, if it is the one that acts: the median
+    /// over that flight's noise. Null for an effect whose signal the flights lack.
     pub probability_then: Option<f64>,
-    /// How many of the set, itself among them, would then still have a probability of 5 % or more.
+    /// How many of the set, including this effect, would then still have a probability of 5 % or more.
     pub left: Option<usize>,
-    /// By how many sigmas the planned flight would tell it from the one of the others that is most like it.
+    /// By how many sigmas the planned flight would distinguish it from the most similar of the others.
     pub sigmas: Option<f64>,
 }

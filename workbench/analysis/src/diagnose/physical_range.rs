@@ -1,4 +1,4 @@
-//! What nature allows of a coefficient, as a prior: outside of it an effect is no suspect.
+//! The physical range of a coefficient, as a prior: outside of it an effect is not a suspect.
 
 use kf_core::effect::EffectId;
 
@@ -6,21 +6,22 @@ use super::information::Solution;
 use flight_data::Channel;
 use replay::Replay;
 
-/// A fitted coefficient may be that many sigmas outside of a range and come from inside of it: 2.3 %
+/// A fitted coefficient may be this many sigmas outside a range and still come from inside it: 2.3 %
 /// one-sided.
 const SIGMAS: f64 = 2.0;
 
-/// A range is a round number: where the climb rate is measured, a quarter beyond it is not impossible yet.
+/// A range is a round number: where the climb rate is measured, up to a quarter beyond it is still allowed.
 const LENIENT: f64 = 1.25;
 
-/// By how much more than it has by itself an effect may reach that stands in for another one: an acceleration
-/// for an angle of attack (6.3 a radian at 0.1 rad a g and 46 m of dynamic pressure are 29 m a g, its own
-/// range is 10), a warming up for a temperature (5 m/K and 20 K are 100 m where its own is 50).
+/// Factor by which the range grows for an effect that stands in for another: an acceleration for an angle of
+/// attack (6.3 a radian at 0.1 rad a g and 46 m of dynamic pressure are 29 m a g, its own range is 10), a
+/// warming up for a temperature (5 m/K and 20 K are 100 m where its own is 50).
 const STAND_INS: [(EffectId, f64); 2] = [(EffectId::BaroAcceleration, 3.0), (EffectId::BaroWarmUp, 2.0)];
 
-/// The range of a coefficient: nature's, its sign included. With one free sensor all that can be seen of a
-/// lag and of a latency is their difference, and its sign is what names it; with more of them, what would
-/// need an impossible size is another effect. Where the climb rate is not measured it is exactly nature's.
+/// The range of a coefficient: the physical one, its sign included. With one sensor in free flight, only the
+/// difference of a lag and a latency can be seen, and its sign decides which of the two it is; with more
+/// sensors, an effect that would need an impossible size is a different effect. Where the climb rate is not
+/// measured, the range is exactly the physical one.
 #[must_use]
 pub fn range(effect: EffectId, has_climb_rate: bool) -> [f64; 2] {
     let stand_in = STAND_INS.iter().find(|(stand_in, _)| *stand_in == effect);
@@ -28,8 +29,8 @@ pub fn range(effect: EffectId, has_climb_rate: bool) -> [f64; 2] {
     effect.plausible().map(|limit| reach * f64::from(limit))
 }
 
-/// Whether a coefficient of that sigma is beyond what nature allows of the effect itself, so that the effect
-/// is there for another one whose part it takes; where the climb rate is measured.
+/// Whether a coefficient with that sigma is outside the effect's own physical range, so that the effect
+/// stands in for another one; where the climb rate is measured.
 #[must_use]
 pub fn stands_in(effect: EffectId, coefficient: f64, sigma: f64) -> bool {
     let [least, most] = effect.plausible().map(|limit| LENIENT * f64::from(limit));
@@ -38,16 +39,16 @@ pub fn stands_in(effect: EffectId, coefficient: f64, sigma: f64) -> bool {
         && !(least - slack..=most + slack).contains(&coefficient)
 }
 
-/// A coefficient's range, and the share of it that is unsure beside its noise.
+/// A coefficient's range, and the share of it that is uncertain in addition to its noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Least and most.
+    /// Smallest and largest value.
     pub range: [f64; 2],
-    /// The share.
+    /// The uncertain share.
     pub scale: f64,
 }
 
-/// Whether every coefficient of a fit may come from its range: by the sigma that is reported of it.
+/// Whether every coefficient of a fit may come from its range, given its reported sigma.
 #[must_use]
 pub fn is_possible(bounds: &[Bounds], solution: &Solution) -> bool {
     let n = solution.coefficients.len();
@@ -81,7 +82,7 @@ mod tests {
         is_possible(&[bounds], &solution)
     }
 
-    /// Signs are part of it: a barometer is never early, and a receiver by a second at most.
+    /// The range includes the sign: a barometer is never early, and a receiver by a second at most.
     #[test]
     fn a_barometer_is_never_early() {
         for has_climb_rate in [false, true] {
@@ -92,8 +93,8 @@ mod tests {
         }
     }
 
-    /// A quarter beyond the range where the climb rate is measured, and three times an acceleration's for
-    /// what it stands in for: not 67 m a g.
+    /// A quarter beyond the range where the climb rate is measured, and three times the range for an
+    /// acceleration that stands in for another effect: not 67 m a g.
     #[test]
     fn beyond_nature_is_no_suspect() {
         assert!(may_be(EffectId::BaroLag, true, 6.2, 0.01) && !may_be(EffectId::BaroLag, true, 6.4, 0.01));
@@ -103,8 +104,8 @@ mod tests {
         assert!(!may_be(EffectId::BaroAcceleration, false, -30.0, 1.0));
     }
 
-    /// A warming up of more than its own 62.5 m is there for a temperature; one within two sigmas of it may
-    /// be itself, and a scale is nobody else.
+    /// A warming up of more than its own 62.5 m stands in for a temperature; one within two sigmas of that
+    /// may be itself, and a scale stands in for nothing.
     #[test]
     fn what_is_beyond_its_own_range_stands_in() {
         assert!(stands_in(EffectId::BaroWarmUp, -89.5, 4.4) && stands_in(EffectId::BaroWarmUp, 70.0, 3.0));

@@ -1,11 +1,12 @@
-//! What flights tell, kept so that one more flight can be added to it before anybody flies.
+//! What the flights show, kept so that one more flight can be added before it is flown.
 //!
-//! A coefficient's variance depends on what is flown and on the noise, not on what the sensors then read: the
+//! A coefficient's variance depends on what is flown and on the noise, not on the sensors' readings: the
 //! normal equations of the planned flight, under the noise that was found, are added to those of the flights.
-//! For a set of effects each of them in turn is taken to be the one that acts, with the coefficient that fits
-//! it: the planned flight then reads what it makes of it, and the likelihood of the others with both is what
-//! it is expected to be; with noise it lies about that, so that the probabilities are medians. Likelihoods
-//! count as in the diagnosis, less the more the effects explain: formulas and signals are not quite right.
+//! In a set of effects, each one in turn is assumed to act, with its fitted coefficient. The planned flight's
+//! readings are then those that this effect causes, and the likelihoods of the others over all flights are
+//! the expected ones; noise scatters them about these values, so that the probabilities are medians.
+//! Likelihoods are weighted as in the diagnosis, less the more the effects explain: formulas and signals are
+//! not quite right.
 
 use executor::Executor;
 use kf_core::effect::EffectId;
@@ -29,7 +30,7 @@ use super::wind;
 use super::work::{Judged, Work, judged};
 use crate::progress::{Cancelled, Progress};
 
-/// What flights tell, to be planned on.
+/// What the flights show, for planning.
 #[derive(Clone, Debug)]
 pub struct Planner {
     candidates: Vec<Candidate>,
@@ -40,7 +41,7 @@ pub struct Planner {
     has: [bool; SENSORS],
     /// Whether the wind has columns of its own.
     has_wind: bool,
-    /// The columns that the normal equations are of.
+    /// The columns of the normal equations.
     columns: Vec<usize>,
     information: Information,
     /// Columns of the effects that were found.
@@ -54,58 +55,59 @@ pub struct Planner {
 #[derive(Clone, Debug)]
 struct Planned {
     column: usize,
-    /// By how much the variance of its coefficient is larger than its fit's.
+    /// Factor by which the variance of its coefficient exceeds that of its fit.
     inflation: f64,
-    /// What the coefficient is unsure by beside its noise, in its unit, and as a share of it.
+    /// Uncertainty of the coefficient in addition to its noise, in its unit, and as a share of it.
     unsteadiness: f64,
     scale: f64,
 }
 
-/// A set that the flights can't tell apart, in the place of one chosen column.
+/// A set that the flights cannot tell apart, in the place of one chosen column.
 #[derive(Clone, Debug)]
 struct Set {
     place: usize,
     members: Vec<(EffectId, f64, Option<usize>)>,
 }
 
-/// How much a sum of squares counts: the less, the more the effects explain. Where the climb rate is measured
-/// the shares are those of `simplicity.rs`, over the whole flight, and not of `rivals.rs`, which knows where
-/// two effects differ: a plan is rather said to tell too little apart than too much.
+/// Weight of a sum of squares, which is smaller the more the effects explain. Where the climb rate is
+/// measured, the shares are those of `simplicity.rs`, over the whole flight, and not of `rivals.rs`, which
+/// takes into account where two effects differ: a plan should rather promise too little separation than too
+/// much.
 #[derive(Clone, Copy, Debug)]
 struct Tempering {
-    /// What it is divided by where nothing is explained.
+    /// The divisor where nothing is explained.
     base: f64,
-    /// The share of what is explained that formulas and signals make wrong.
+    /// The share of the explained squares that errors of formulas and signals may make.
     shape: f64,
 }
 
-/// The share (squares) of what an effect will explain that the errors of its shape may make of it, where a
-/// flight is only planned: measured signals, their delays and the terms that a formula leaves out make it
-/// wrong by some 14 %.
+/// The share (squares) of what an effect will explain that errors of its shape may make, where a flight is
+/// only planned: measured signals, their delays and the terms that a formula leaves out make it wrong by
+/// about 14 %.
 const SHAPE: f64 = 0.02;
 /// The same where a regressor is only roughly known.
 const ROUGH_SHAPE: f64 = 0.1;
 
 impl Tempering {
-    /// The power of the likelihood where so many squares are explained.
+    /// The power of the likelihood where this many squares are explained.
     fn power(self, explained: f64) -> f64 {
         1.0 / (self.base + 0.5 * self.shape * explained.max(0.0))
     }
 }
 
-/// What a diagnosis found out beside its answer.
+/// What a diagnosis provides in addition to its result.
 #[derive(Debug)]
 pub struct Further {
-    /// What a further flight can be planned on.
+    /// For planning a further flight.
     pub planner: Planner,
-    /// What coefficients can be learned from.
+    /// For learning coefficients.
     pub work: Work,
 }
 
-/// A diagnosis, and what it found out beside it; nothing without a flight.
+/// A diagnosis, and what it provides in addition; nothing without a flight.
 ///
 /// # Errors
-/// [`Cancelled`] when `progress` says so.
+/// [`Cancelled`] when `progress` requests it.
 pub fn diagnose_further(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
@@ -122,7 +124,7 @@ pub fn diagnose_further(
 }
 
 impl Set {
-    /// Whether the diagnosis has it: not where a misfit is of nothing that is known.
+    /// Whether the diagnosis reports this set; it does not where the cause of a misfit is unknown.
     fn is_said(&self, diagnosis: &Diagnosis) -> bool {
         let names = || self.members.iter().map(|(effect, ..)| effect.name());
         let mut said = diagnosis.sensors.values().flat_map(|sensor| &sensor.indistinguishable);
@@ -206,7 +208,7 @@ impl Planner {
         }
     }
 
-    /// What the planned flight would tell, with the flights. It must have no column that they lack.
+    /// What the planned flight would show, together with the flights. It must have no column that they lack.
     #[must_use]
     pub fn outlook(&self, planned: &Replay<'_>, executor: &dyn Executor) -> Outlook {
         let mut epochs = epochs(planned, &self.candidates, executor);
@@ -239,7 +241,7 @@ impl Planner {
         columns.iter().filter_map(at).collect()
     }
 
-    /// The fit of a column beside what was found of other effects: the coefficient and its variance.
+    /// The fit of a column together with the other effects found: the coefficient and its variance.
     fn fit(&self, information: &Information, column: usize) -> Option<(f64, f64)> {
         let effect = |column: usize| self.candidates[column].effect();
         let others = self.found.iter().copied().filter(|other| effect(*other) != effect(column));
@@ -253,7 +255,7 @@ impl Planner {
         let effect = candidate.effect();
         let now = self.fit(&self.information, of.column);
         let coefficient = now.map(|(coefficient, _)| coefficient);
-        // The coefficient is what it is: the planned flight's readings are not known.
+        // The coefficient stays as it is: the planned flight's readings are not known.
         let rough = of.scale * coefficient.unwrap_or(0.0);
         let sigma = |(_, variance): (f64, f64)| {
             (variance * of.inflation + of.unsteadiness * of.unsteadiness + rough * rough).sqrt()
@@ -292,7 +294,7 @@ impl Planner {
         SetOutlook { members: set.members.iter().map(member).collect() }
     }
 
-    /// What would be found with the planned flight if a member of a set is the one that acts.
+    /// What would be found with the planned flight if this member of a set is the one that acts.
     fn if_it_acts(&self, set: &Set, truth: usize, flown: &Information) -> Option<Would> {
         let beside: Vec<usize> = (0..self.found.len())
             .filter(|place| *place != set.place)
@@ -306,7 +308,7 @@ impl Planner {
         let truth_then = both.solve(&acting)?;
         let power_now = self.tempering.power(self.information.total() - truth_now.rest);
         let power_then = self.tempering.power(both.total() - truth_then.rest);
-        // What an effect's fit is worth, but for what all of the set share.
+        // The worth of an effect's fit, without what all of the set share.
         let worth = |power: f64, solution: &Solution| {
             let variance = solution.covariance.last().copied().unwrap_or(f64::INFINITY);
             0.5 * libm::log(variance) - 0.5 * power * solution.rest
@@ -316,7 +318,7 @@ impl Planner {
         let mut least = f64::INFINITY;
         for (_, probability, column) in &set.members {
             let Some(column) = column else {
-                // What the flights do not record looks like the one that it stands in for.
+                // An effect whose signal the flights do not record looks like the one that it stands in for.
                 weights.push(*probability);
                 continue;
             };

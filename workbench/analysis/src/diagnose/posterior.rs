@@ -1,19 +1,19 @@
 //! How probable each set of effects is, where the climb rate is not measured.
 //!
-//! The weight of a set is its marginal likelihood: the noise fitted anew beside it, its coefficients
-//! integrated out in closed form over what is believed of them ([`CoefficientPrior`]), and of time constants
-//! over the grid. Sets are looked at as in Occam's window (Madigan and Raftery, "Model selection and
-//! accounting for model uncertainty in graphical models using Occam's window", Journal of the American
-//! Statistical Association 89, 1994): from the best one on, those with one effect more, one less or another
-//! one, as long as they come near it.
+//! The weight of a set is its marginal likelihood: the noise is fitted again with the set, its coefficients
+//! are integrated out in closed form over their priors ([`CoefficientPrior`]), and time constants over the
+//! grid. Sets are considered as in Occam's window (Madigan and Raftery, "Model selection and accounting for
+//! model uncertainty in graphical models using Occam's window", Journal of the American Statistical
+//! Association 89, 1994): starting from the best one, those with one effect more, one less or another one, as
+//! long as their weight is close to the best.
 //!
-//! The noise is no Gauss-Markov process and the formulas are not exact, so the likelihood is trusted with a
+//! The noise is not a Gauss-Markov process and the formulas are not exact, so the likelihood is raised to a
 //! power below one (Miller and Dunson, "Robust Bayesian inference via coarsening", Journal of the American
-//! Statistical Association 114, 2019). That power is what makes the probabilities right as often as they say,
-//! on the development half of `docs/blind-trials.md`.
+//! Statistical Association 114, 2019). With that power the probabilities are right as often as they state, on
+//! the development half of `docs/blind-trials.md`.
 //!
-//! A pressure altitude is off its height by as much as the air is off the standard's temperature. So each set
-//! has a scale in it, of which a kelvin is believed where the set says nothing of one.
+//! A pressure altitude differs from the height in proportion to the air's deviation from the standard
+//! temperature. So each set includes a scale, with a prior of one kelvin where the set has no scale effect.
 
 use std::collections::BTreeMap;
 
@@ -30,16 +30,16 @@ use crate::progress::{Cancelled, Progress, step};
 
 /// The power of the likelihood: by the reliability diagram of `cargo xtask real-trials --half development`.
 pub const POWER: f64 = 0.7;
-/// The share of what the effects explain (squares) that formulas and signals make wrong: as the power of the
-/// likelihood falls with it, what an effect leaves because it is not quite as its formula says is not another
-/// effect's.
+/// The share (squares) of what the effects explain that errors of formulas and signals may make. The
+/// likelihood's power falls with it, so that what an effect leaves because its formula is not exact is not
+/// attributed to another effect.
 pub const SHAPE: f64 = 0.01;
-/// The chance of an effect to act, beforehand.
+/// Prior probability that an effect acts.
 pub(super) const INCLUSION: f64 = 0.1;
-/// Sets are looked at while their weight is not so many times (natural logarithm) below the best one's: 0.2
-/// %.
+/// Sets are considered while their weight is at most this far (natural logarithm) below that of the best one:
+/// 0.2 %.
 const WINDOW: f64 = 6.0;
-/// Sets whose noise is fitted in a round, and rounds.
+/// Number of sets whose noise is fitted in a round, and number of rounds.
 const REFITTED: usize = 3;
 const ROUNDS: usize = 6;
 
@@ -48,7 +48,7 @@ const ROUNDS: usize = 6;
 struct Weighed {
     /// Its columns, ascending, each effect's most probable one.
     columns: Vec<usize>,
-    /// Natural logarithm of its probability but for a constant.
+    /// Natural logarithm of its probability, up to a constant.
     log_weight: f64,
 }
 
@@ -60,7 +60,7 @@ pub struct Posterior {
     effects: BTreeMap<usize, EffectId>,
 }
 
-/// A set and the noise that goes with it; the set's columns are without the scale's.
+/// A set and its noise; the set's columns exclude the scale's.
 #[derive(Clone)]
 struct Looked {
     columns: Vec<usize>,
@@ -70,7 +70,7 @@ struct Looked {
 /// Weighs the sets around the one that a search found.
 ///
 /// # Errors
-/// [`Cancelled`] when `progress` says so.
+/// [`Cancelled`] when `progress` requests it.
 pub fn posterior(
     search: &mut Search<'_>,
     suspects: &Suspects<'_>,
@@ -89,7 +89,7 @@ pub fn posterior(
     weigher.temper(&best);
     let mut best_weight = f64::NEG_INFINITY;
     for _ in 0..ROUNDS {
-        // All around the best one under its noise, and then the nearest with their own.
+        // First all sets around the best one under its noise, then the nearest ones with their own.
         let information = suspects.information(problem, &best.fit.noise);
         refitted.insert(weigher.effects(&best.columns), best.clone());
         let around = weigher.around(&information, &best);
@@ -169,7 +169,7 @@ impl Weigher<'_> {
         effects
     }
 
-    /// The columns and the scale's.
+    /// The columns, and the scale's column.
     fn with_scale(&self, columns: &[usize]) -> Vec<usize> {
         let mut all: Vec<usize> = columns.iter().copied().chain(self.scale).collect();
         all.sort_unstable();
@@ -182,7 +182,7 @@ impl Weigher<'_> {
         Looked { columns: columns.to_vec(), fit }
     }
 
-    /// Trusts the likelihood the less the more the effects explain.
+    /// Lowers the power of the likelihood, the more the effects explain.
     fn temper(&mut self, best: &Looked) {
         let information = self.suspects.information(self.problem, &best.fit.noise);
         let rest = |columns: &[usize]| {
@@ -192,7 +192,7 @@ impl Weigher<'_> {
         self.power = 1.0 / (1.0 / POWER + 0.5 * SHAPE * explained);
     }
 
-    /// Sets with one effect less, one more or another one; all without the scale.
+    /// Sets with one effect less, one more or another one, all without the scale.
     fn around(&self, information: &Information, best: &Looked) -> Vec<Vec<usize>> {
         let effect = |column: usize| self.suspects.candidate(column).effect();
         let mut bases = vec![best.columns.clone()];
@@ -205,7 +205,7 @@ impl Weigher<'_> {
             if base.len() >= MOST_EFFECTS {
                 continue;
             }
-            // Of each effect the column that fits best.
+            // For each effect, the column that fits best.
             let mut of_effect: BTreeMap<EffectId, (f64, Vec<usize>)> = BTreeMap::new();
             for column in self.suspects.usable().iter().copied() {
                 let is_there = base.iter().any(|other| effect(*other) == effect(column));
@@ -227,7 +227,7 @@ impl Weigher<'_> {
         around
     }
 
-    /// The weight of a set of columns under a noise, with the air's scale alone and with one as an effect.
+    /// The weight of a set of columns under a noise, with the air's scale alone and with a scale effect.
     fn weigh(
         &self,
         information: &Information,
@@ -251,7 +251,7 @@ impl Weigher<'_> {
         weighed
     }
 
-    /// The mean over the grids of time constants, one effect's after the other's.
+    /// The mean over the grids of time constants, one effect after the other.
     fn of_time_constants(
         &self,
         information: &Information,
@@ -344,8 +344,8 @@ impl Posterior {
         self.share(|set| self.has(set, effect))
     }
 
-    /// What could act in the place of a column of the most probable set: another effect with the share of the
-    /// sets that have it and not the column's. And the probability that its place is empty.
+    /// What could replace a column of the most probable set: another effect, with its share of the sets that
+    /// contain it but not the column's effect; and the probability that the place is empty.
     #[must_use]
     pub fn rivals(&self, column: usize, chosen: &[usize], explained: f64) -> Rivals {
         let own = self.effects.get(&column).copied();
@@ -393,7 +393,7 @@ mod tests {
     use super::super::small_problems::{NOISE, Small, problem, sine};
     use super::*;
 
-    /// Sets of columns of three effects: of a lag two columns, of a scale and a drift one each.
+    /// Sets of columns of three effects: a lag with two columns, a scale and a drift with one each.
     fn posterior() -> Posterior {
         let effects = [
             (1, EffectId::BaroLag),
@@ -413,7 +413,7 @@ mod tests {
         }
     }
 
-    /// The best set is the first; an effect acts with the probability of all sets that have any of its
+    /// The best set is the first; an effect acts with the probability of all sets that contain any of its
     /// columns.
     #[test]
     fn an_effect_acts_in_the_sets_that_have_it() {
@@ -427,8 +427,8 @@ mod tests {
         assert_eq!(found.inclusion(EffectId::GpsLatency), 0.0);
     }
 
-    /// Of the sets without the lag, a scale is in those of 0.3 and a drift in one of 0.1; nothing is in that
-    /// of 0.05.
+    /// Of the sets without the lag, a scale is in those of 0.3 and a drift in one of 0.1; nothing is in the
+    /// set of 0.05.
     #[test]
     fn rivals_share_the_sets_without_the_chosen() {
         let rivals = posterior().rivals(2, &[2], 7.0);
@@ -443,12 +443,12 @@ mod tests {
             rivals.odds.iter().zip(wanted).all(|(odds, wanted)| (odds - wanted).abs() < 1e-12),
             "{rivals:?}"
         );
-        // Beside a chosen drift only the scale is another.
+        // For a chosen drift, only the scale is a rival.
         assert_eq!(posterior().rivals(2, &[2, 8], 7.0).others, [5]);
     }
 
-    /// A flight in which a sine acts on the barometer by two, as the regressor of an effect whose formula is
-    /// right to that share.
+    /// A flight in which a sine acts on the barometer with a coefficient of two, as the regressor of an
+    /// effect whose formula has this relative error.
     fn acted_on(id: EffectId, rough: f64) -> Small {
         let mut small =
             Small::new(400, 1).candidate(id, |block| sine(0, block)).error(|block| 2.0 * sine(0, block));
@@ -456,7 +456,7 @@ mod tests {
         small
     }
 
-    /// The weight of the set of the one effect, and its coefficient with the variance that counts.
+    /// The weight of the set with this effect alone, its coefficient, and the variance used.
     fn weight_of(id: EffectId, rough: f64) -> (f64, f64, f64) {
         let small = acted_on(id, rough);
         let (flights, suspects) = ([small.series.clone()], small.suspects());
@@ -469,8 +469,8 @@ mod tests {
         (weight, solution.coefficients[0], solution.covariance[0] / POWER)
     }
 
-    /// What is believed of a coefficient is compared with it as sure as it is: by its variance, the share
-    /// that its formula makes wrong, and what it is unsteady by. Nothing else of a weight depends on these.
+    /// A coefficient is compared with its prior at its full uncertainty: its variance, the share that its
+    /// formula makes wrong, and its unsteadiness. Nothing else of a weight depends on these.
     #[test]
     fn a_coefficient_counts_as_sure_as_it_is() {
         let (lag, coefficient, variance) = weight_of(EffectId::BaroLag, 0.0);
@@ -489,7 +489,7 @@ mod tests {
         assert!((found - wanted).abs() < 1e-6, "{found} {wanted}");
     }
 
-    /// A scale of two is more than the air makes: as an effect it explains what the air alone does not.
+    /// A scale of two is more than the air causes: as an effect it explains what the air alone does not.
     #[test]
     fn a_large_scale_is_an_effect_and_not_the_air() {
         let small = acted_on(EffectId::BaroScale, 0.0);

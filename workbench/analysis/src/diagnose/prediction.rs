@@ -5,8 +5,8 @@ use kf_core::effect::Regressor;
 use super::follower::{Follower, Phase};
 use replay::Replay;
 
-/// Coefficient times regressor at every tick that has it: times in microseconds, metres. Less its mean over
-/// captive flight, which the calibration has taken for bias.
+/// Coefficient times regressor at every tick that has it (times in microseconds, metres), less its mean over
+/// captive flight, which the calibration takes for bias.
 #[must_use]
 pub fn prediction(replay: &Replay<'_>, regressor: Regressor, coefficient: f64) -> Vec<(u64, f64)> {
     let mut follower = Follower::knowing(replay.model(), regressor);

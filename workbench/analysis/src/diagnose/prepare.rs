@@ -1,4 +1,4 @@
-//! Flights made ready for the search: candidates, block means, and what stands beside the effects.
+//! Prepares flights for the search: candidates, block means, and the terms estimated with the effects.
 
 use executor::Executor;
 use kf_core::sensor::Sensor;
@@ -16,24 +16,24 @@ use super::wanted_effect::Tried;
 use super::wind::wind;
 use replay::barometer;
 
-/// What a search works on.
+/// The input of a search.
 pub(crate) struct Prepared {
-    /// What is tried, and after it the effects that the model has already; the columns of every series are
-    /// theirs.
+    /// The candidates that are tried, followed by the effects that the model already has; the columns of
+    /// every series are in this order.
     pub candidates: Vec<Candidate>,
     /// The flights.
     pub epochs: Vec<Epochs>,
-    /// Their block means.
+    /// Block means of the flights.
     pub series: Vec<Series>,
-    /// Those of the flights held out.
+    /// Block means of the flights held out.
     pub held: Vec<Series>,
     /// Means of the signals in each block of the flights held out, as in [`Epochs::signals`].
     pub held_signals: Vec<Vec<Vec<f64>>>,
-    /// Columns of the effects that the model has already, and of the wind.
+    /// Columns of the effects that the model already has, and of the wind.
     pub known: Vec<Known>,
     /// Whether the climb rate is measured in all flights.
     pub has_climb_rate: bool,
-    /// Columns that are tried, all flights having their signals.
+    /// Columns that are tried: those whose signals all flights have.
     tried: Vec<usize>,
 }
 
@@ -48,7 +48,7 @@ impl Prepared {
     ) -> Self {
         let has_climb_rate = flights.iter().all(|named| measures_climb_rate(&named.replay));
         let (mut candidates, of_model) = candidates(model, has_climb_rate, tried);
-        // What the whole catalogue is tried on together is tried on one by one as well.
+        // Flights on which the whole catalogue is tried together are also diagnosed one by one.
         let is_kept = tried.is_none() && flights.len() > 1;
         let tried = candidates.len();
         candidates.extend(of_model);
@@ -88,7 +88,7 @@ impl Prepared {
         self.series.iter().any(|series| series.columns.len() > self.candidates.len())
     }
 
-    /// The candidates that a search is to look at: those whose regressor moves.
+    /// The candidates that a search tries: those whose regressor moves.
     pub(super) fn suspects(&self, problem: &Problem<'_>) -> Suspects<'_> {
         let first_look = problem.information(&problem.prior.noise(&problem.prior.means()), &self.tried);
         let usable = self.tried.iter().enumerate();
@@ -118,7 +118,7 @@ impl Prepared {
     }
 }
 
-/// Takes a sensor that did not measure out of a flight.
+/// Removes a sensor that did not measure from a flight.
 fn leave_out(epochs: &mut Epochs, sensor: usize) {
     let series = &mut epochs.series;
     for (residuals, readings) in series.residual_m.iter_mut().zip(&mut series.readings) {

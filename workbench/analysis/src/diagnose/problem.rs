@@ -1,5 +1,5 @@
-//! The joint likelihood of all residuals of all flights, as a function of the effects that are taken
-//! to act and of the noise.
+//! The joint likelihood of all residuals of all flights, as a function of the effects that are assumed to act
+//! and of the noise.
 
 use executor::Executor;
 use kf_core::sensor::SENSORS;
@@ -12,11 +12,11 @@ use super::score::score;
 use super::series::{BySensor, Series};
 use super::whitener::{LANES, whiten, whiten_by_groups};
 
-/// Twice the log likelihood that an iteration of the noise's fit must gain to go on.
+/// Gain in twice the log likelihood below which the noise's fit stops iterating.
 const GAIN: f64 = 0.02;
 
-/// An effect that the model has already: its coefficient is known to some sigma, and what is left of it
-/// is estimated beside everything else, flight by flight.
+/// An effect that the model already has: its coefficient is known to some sigma, and its remainder is
+/// estimated together with everything else, flight by flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known {
     /// Its column.
@@ -25,15 +25,15 @@ pub struct Known {
     pub sigma: f64,
 }
 
-/// Flights and what is believed of their noise.
+/// Flights and the prior of their noise.
 pub struct Problem<'a> {
     /// The flights; all have the same columns.
     pub flights: &'a [Series],
     /// The noise's prior.
     pub prior: NoisePrior,
-    /// The effects that the model has already.
+    /// The effects that the model already has.
     pub known: Vec<Known>,
-    /// Who does the work of a fit.
+    /// Runs the work of a fit.
     executor: &'a dyn Executor,
     /// The column of each sensor's bias, as long as the longest flight.
     ones: [Vec<BySensor>; SENSORS],
@@ -42,7 +42,7 @@ pub struct Problem<'a> {
 /// The most probable noise given that certain effects act.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseFit {
-    /// The parameters, of the prior's meaning.
+    /// The parameters, as the prior defines them.
     pub values: Vec<f64>,
     /// The noise.
     pub noise: Noise,
@@ -58,14 +58,14 @@ pub type Used<'a> = dyn Fn(usize) -> bool + 'a;
 pub struct FlightProducts {
     /// Products of the whitened columns.
     pub products: DMatrix<f64>,
-    /// Whitened readings.
+    /// Number of whitened readings.
     pub rows: usize,
     /// Sum of the logarithms of the innovations' variances.
     pub log_determinant: f64,
 }
 
 impl<'a> Problem<'a> {
-    /// A problem of some flights.
+    /// A problem with these flights.
     #[must_use]
     pub fn new(
         flights: &'a [Series],
@@ -82,13 +82,13 @@ impl<'a> Problem<'a> {
         Self { flights, prior, known, executor, ones }
     }
 
-    /// Number of columns that every flight has for itself: biases, and what is left of known effects.
+    /// Number of columns that every flight has for itself: biases, and the remainders of known effects.
     #[must_use]
     pub const fn own(&self) -> usize {
         SENSORS + self.known.len()
     }
 
-    /// The columns of a flight as the whitener takes them: residual, its own, regressors.
+    /// The columns of a flight in the whitener's order: residual, its own, regressors.
     pub fn columns<'b>(&'b self, flight: &'b Series, picks: &[usize]) -> Vec<&'b [BySensor]> {
         let residual = std::iter::once(flight.residual_m.as_slice());
         let ones = self.ones.iter().map(Vec::as_slice);
@@ -97,7 +97,7 @@ impl<'a> Problem<'a> {
         residual.chain(ones).chain(regressors).collect()
     }
 
-    /// Normal equations of one flight, those blocks only that `used` says.
+    /// Normal equations of one flight, with only the blocks that `used` selects.
     #[must_use]
     pub fn products(
         &self,
@@ -108,7 +108,7 @@ impl<'a> Problem<'a> {
     ) -> FlightProducts {
         let width = columns.len();
         let groups = width.div_ceil(LANES);
-        // The upper triangle in squares of a group by a group.
+        // The upper triangle, in square tiles of one group by one group.
         let mut tiles = vec![[[0.0; LANES]; LANES]; groups * groups];
         let mut rows = 0;
         let log_determinant = whiten_by_groups(flight, noise, columns, used, &mut |_, _, row| {
@@ -131,7 +131,7 @@ impl<'a> Problem<'a> {
         FlightProducts { products, rows, log_determinant }
     }
 
-    /// What is believed of the known effects' coefficients, as further readings of them.
+    /// The priors of the known effects' coefficients, as additional readings of them.
     pub fn add_prior(&self, products: &mut DMatrix<f64>) {
         for (k, known) in self.known.iter().enumerate() {
             let at = 1 + SENSORS + k;
@@ -139,7 +139,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Normal equations of some columns under a noise, the flights' own columns projected out.
+    /// Normal equations of some columns under a noise, with the flights' own columns projected out.
     #[must_use]
     pub fn information(&self, noise: &Noise, picks: &[usize]) -> Information {
         let mut information = Information::new(1 + picks.len());
@@ -150,13 +150,13 @@ impl<'a> Problem<'a> {
         information
     }
 
-    /// What one square metre of white noise in the block means of a sensor adds to the sum of squares under
-    /// a noise; for the noise of regressors.
+    /// What one square metre of white noise in the block means of a sensor adds to the sum of squares under a
+    /// given noise. Used for the noise of regressors.
     #[must_use]
     pub fn weight_of_white(&self, noise: &Noise) -> BySensor {
         let mut weights = [0.0; SENSORS];
         for flight in self.flights {
-            // A sequence of signs without a period does for white noise.
+            // A sequence of signs without a period serves as white noise.
             let mut state = 0x2545_f491_4f6c_dd1d_u64;
             let signs: Vec<f64> = (0..flight.len())
                 .map(|_| {
@@ -177,7 +177,7 @@ impl<'a> Problem<'a> {
         weights
     }
 
-    /// The noise of several sets of columns from one start, side by side.
+    /// The noise of several sets of columns from one start, in parallel.
     #[must_use]
     pub fn fit_noises(&self, sets: &[Vec<usize>], start: &[f64]) -> Vec<NoiseFit> {
         executor::map(self.executor, sets.iter().map(|picks| || self.fit_noise(&self.prior, picks, start)))
@@ -206,7 +206,7 @@ struct Likelihood<'a> {
 }
 
 impl Function for Likelihood<'_> {
-    /// Each flight's normal equations and the common coefficients; nothing where they can't be told apart.
+    /// Each flight's normal equations and the common coefficients; `None` where they cannot be told apart.
     type Left = Option<(Vec<DMatrix<f64>>, Vec<f64>)>;
 
     fn value(&self, values: &[f64]) -> (f64, Self::Left) {
@@ -226,9 +226,9 @@ impl Function for Likelihood<'_> {
         (value, Some((flights, solution.coefficients)))
     }
 
-    /// Coefficients are where the squares are least, so that the slope in them is none: that of the squares
-    /// is the one of what they leave. The own columns' normal equations `B` add that of `log |B|`, the sum of
-    /// squares of `L^-1` times them, with `B = L L'`.
+    /// The coefficients minimise the squares, so the derivative with respect to them is zero: the slope of
+    /// the squares is that of the remainder. The own columns' normal equations `B` add the slope of
+    /// `log |B|`, the sum of squares of `L^-1` times them, with `B = L L'`.
     fn slope(&self, values: &[f64], left: &Self::Left) -> Vec<f64> {
         let mut slope: Vec<f64> =
             self.prior.log_density_slope(values).into_iter().map(|slope| -2.0 * slope).collect();
@@ -319,7 +319,7 @@ mod tests {
     }
 
     /// The slope is that of the value: two flights, a known effect, two picks, every parameter of the noise.
-    /// Differences of 1e-4 either way leave errors of their square; 1e-5 of the largest slope is far more
+    /// Differences of 1e-4 either way have errors of that step squared; 1e-5 of the largest slope is far more
     /// than these.
     #[test]
     fn the_slope_is_that_of_the_likelihood() {
@@ -352,7 +352,7 @@ mod tests {
         }
     }
 
-    /// Picks that can't be told apart have no likelihood, and no slope but the prior's.
+    /// Picks that cannot be told apart have no likelihood, and only the prior's slope.
     #[test]
     fn columns_that_cannot_be_told_apart_have_no_likelihood() {
         let mut twice = flight(1);

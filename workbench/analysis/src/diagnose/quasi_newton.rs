@@ -6,29 +6,29 @@ use nalgebra::{DMatrix, DVector};
 
 use super::matrix::product;
 
-/// Step of the differences; the arguments are logarithms, so it is relative.
+/// Step of the finite differences; the arguments are logarithms, so it is relative.
 const DIFFERENCE: f64 = 1e-4;
 const ITERATIONS: usize = 40;
-/// A longest step: a factor of e^2 in any number.
+/// Longest step: a factor of e^2 in any value.
 const LONGEST: f64 = 2.0;
 
-/// What is minimised.
+/// The function to minimise.
 pub trait Function {
-    /// What an evaluation leaves for the slope at the same place.
+    /// What an evaluation keeps for computing the slope at the same point.
     type Left;
 
-    /// The value, and what is left for the slope.
+    /// The value, and what is kept for the slope.
     fn value(&self, at: &[f64]) -> (f64, Self::Left);
 
-    /// The slope in every argument.
+    /// The derivative with respect to every argument.
     fn slope(&self, at: &[f64], left: &Self::Left) -> Vec<f64>;
 }
 
-/// A function without a slope of its own: differences take its place, side by side, by the executor.
+/// A function without an analytic slope: finite differences replace it, computed in parallel by the executor.
 pub struct Differences<'a, F> {
     /// The function.
     pub function: F,
-    /// Who does the work.
+    /// Runs the evaluations.
     pub executor: &'a dyn Executor,
 }
 
@@ -53,7 +53,7 @@ impl<F: Fn(&[f64]) -> f64 + Sync> Function for Differences<'_, F> {
     }
 }
 
-/// Where a search ended.
+/// The result of a search.
 #[derive(Clone, Debug)]
 pub struct Minimum {
     /// The arguments.
@@ -62,7 +62,7 @@ pub struct Minimum {
     pub value: f64,
 }
 
-/// Searches a minimum from `start` on until an iteration gains less than `tolerance`.
+/// Searches for a minimum from `start` until an iteration gains less than `tolerance`.
 pub fn minimise<F: Function>(function: &F, start: &[f64], tolerance: f64) -> Minimum {
     let n = start.len();
     let mut at = DVector::from_column_slice(start);
@@ -104,13 +104,14 @@ pub fn minimise<F: Function>(function: &F, start: &[f64], tolerance: f64) -> Min
                 fresh = false;
             }
             let rho = 1.0 / curvature;
-            // Of a column and a row no entry is a sum.
+            // In the product of a column and a row no entry is a sum.
             let left = DMatrix::identity(n, n) - &moved * bent.transpose() * rho;
             inverse =
                 product(&product(&left, &inverse), &left.transpose()) + &moved * moved.transpose() * rho;
         }
         if gained < tolerance {
-            // A step that gains little may be a poor metric's: only a fresh one's is the end.
+            // A step that gains little may come from a poor metric: the search ends only with a fresh one, or
+            // after two.
             if fresh || settled {
                 break;
             }
@@ -122,7 +123,7 @@ pub fn minimise<F: Function>(function: &F, start: &[f64], tolerance: f64) -> Min
     Minimum { at: at.as_slice().to_vec(), value }
 }
 
-/// Backtracking until the decrease is a tenth of a thousandth of what the slope promises (Armijo).
+/// Backtracks until the decrease is one ten-thousandth of what the slope promises (Armijo).
 fn line_search<F: Function>(
     function: &F,
     at: &DVector<f64>,

@@ -5,25 +5,25 @@ use super::latent_path::PathPoint;
 /// One accepted fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
-    /// When, microseconds.
+    /// Time of the fix, microseconds.
     pub time_us: u64,
-    /// Altitude free of the effects that the model knows, metres.
+    /// Altitude without the effects that the model has, metres.
     pub altitude_m: f64,
     /// Climb rate, m/s, where the receiver gives it.
     pub climb_mps: Option<f64>,
 }
 
-/// Fixes longer apart than this many medians of their interval have a gap between them.
+/// Two fixes have a gap between them if they are further apart than this many medians of their interval.
 const GAP_INTERVALS: f64 = 4.0;
 
 /// The reference's altitude as a function of time: the cubic through two fixes and their climb rates
-/// (Hermite's), where there are none, through the neighbours' slopes (Catmull and Rom's).
+/// (Hermite's) or, where there are none, through the neighbours' slopes (Catmull and Rom's).
 #[derive(Clone, Debug, Default)]
 pub struct ReferencePath {
     fixes: Vec<Fix>,
     climb_mps: Vec<f64>,
-    /// Slope and altitude of a straight line through the fixes around each, for receivers without a
-    /// climb rate.
+    /// Slope and altitude of a straight line through the fixes around each one, for receivers without a climb
+    /// rate.
     lines: Vec<(f64, f64)>,
     interval_s: f64,
     gap_s: f64,
@@ -53,8 +53,8 @@ impl ReferencePath {
         Self { fixes, climb_mps, lines, interval_s, gap_s, next: 1 }
     }
 
-    /// Takes a better path than the straight lines through the fixes' altitudes, for receivers without a
-    /// climb rate; a point a fix.
+    /// Sets a better path than the straight lines through the fixes' altitudes, for receivers without a climb
+    /// rate; one point for each fix.
     pub fn set_path(&mut self, points: &[PathPoint]) {
         for (line, point) in self.lines.iter_mut().zip(points) {
             *line = (point.climb_mps, point.altitude_m);
@@ -73,8 +73,8 @@ impl ReferencePath {
         &self.fixes
     }
 
-    /// The reference at a time that does not lie before the last one asked for; `None` outside of the fixes
-    /// and in a gap.
+    /// The reference at a time that is not before the last one asked for; `None` outside the fixes and in a
+    /// gap.
     pub fn at(&mut self, time_us: u64) -> Option<Reference> {
         while self.fixes.get(self.next).is_some_and(|fix| fix.time_us < time_us) {
             self.next += 1;
@@ -110,18 +110,18 @@ impl ReferencePath {
 pub struct Reference {
     /// Altitude, metres.
     pub altitude_m: f64,
-    /// Climb rate, m/s: the receiver's, or else what [`ReferencePath::set_path`] was given, or the slope of
-    /// its altitude.
+    /// Climb rate, m/s: the receiver's, or else that given to [`ReferencePath::set_path`], or the slope of
+    /// the altitude.
     pub climb_mps: f64,
     /// Altitude of that path, or averaged over some seconds around, metres.
     pub smooth_m: f64,
 }
 
-/// How far around a fix others are taken for its line, seconds.
+/// Fixes within this time of a fix are used for its line, seconds.
 const AROUND_S: f64 = 2.0;
 
-/// Slope (m/s) and value at a fix of the straight line through the fixes around it: at least one on
-/// either side.
+/// Slope (m/s) and value at a fix of the straight line through the fixes around it: at least one on either
+/// side.
 fn line(fixes: &[Fix], k: usize) -> (f64, f64) {
     let time_s = |fix: &Fix| fix.time_us as f64 * 1e-6 - fixes[k].time_us as f64 * 1e-6;
     let mut first = k.saturating_sub(1);
@@ -169,7 +169,7 @@ mod tests {
             for k in 10..170 {
                 let reference = path.at(k * 50_000).unwrap();
                 let altitude_m = reference.altitude_m;
-                // Where there are fixes on both sides alike, a parabola's line has its slope, and is off by
+                // Where the fixes are symmetric on both sides, a parabola's line has its slope, and is off by
                 // the mean of its bend: 4 m/s^2 times the mean square of the fixes' distances.
                 if (50..130).contains(&k) {
                     let slope = 20.0 - 8.0 * k as f64 * 0.05;

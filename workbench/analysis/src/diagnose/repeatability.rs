@@ -8,26 +8,26 @@ use super::whitener::whiten;
 
 use nalgebra::DMatrix;
 
-/// Parts into which a flight is cut.
+/// Number of parts into which a flight is cut.
 pub(super) const PARTS: usize = 10;
 /// A coefficient may differ by this share from part to part without its formula being wrong.
 const SHAPE: f64 = 0.1;
 /// Beyond this, the spread over the parts is not chance: 99 % of chi-squared of 9 over 9.
 const CHANCE: f64 = 2.4;
 
-/// A coefficient by all parts but one, over all of them.
+/// How a coefficient varies when each part in turn is left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Repeatability {
-    /// By how much the variance of the fit is too small for the spread that the parts show; at least 1,
-    /// and 1 where the spread may be chance.
+    /// Factor by which the fit's variance is too small for the spread over the parts; at least 1, and 1 where
+    /// the spread may be chance.
     pub inflation: f64,
-    /// The mean square of the deviations over what they should be, a share of the coefficient's own size
-    /// forgiven; large where the formula is wrong.
+    /// The mean square of the deviations over its expected value, which allows for a share of the
+    /// coefficient's own size; large where the formula is wrong.
     pub unevenness: f64,
 }
 
-/// Leaves out part after part (a delete-a-group jackknife; Shao and Tu, "The Jackknife and Bootstrap",
-/// section 2.3). A part without which a coefficient is not known at all says nothing about repeating.
+/// Leaves out each part in turn (a delete-a-group jackknife; Shao and Tu, "The Jackknife and Bootstrap",
+/// section 2.3). A part without which a coefficient is not known at all is no evidence about repeatability.
 #[must_use]
 pub fn repeatability(problem: &Problem<'_>, noise: &Noise, picks: &[usize]) -> Vec<Repeatability> {
     let all: Vec<usize> = (0..picks.len()).collect();
@@ -41,7 +41,7 @@ pub fn repeatability(problem: &Problem<'_>, noise: &Noise, picks: &[usize]) -> V
             let Some(rest) = total(problem, &parts, Some((flight, part)), n).solve(&all) else { continue };
             for k in 0..n {
                 let variance = rest.covariance[k * n + k] - whole.covariance[k * n + k];
-                // Not known well enough without this part to be a witness.
+                // Without this part the coefficient is not known well enough to compare.
                 if variance <= 0.0 || rest.covariance[k * n + k] > 9.0 * whole.covariance[k * n + k] {
                     continue;
                 }

@@ -1,11 +1,11 @@
-//! What a tick's readings are held against.
+//! What a tick's readings are compared with.
 
 use kf_core::effect::EffectSubject;
 use model::Model;
 
 use super::follower::Follower;
 
-/// Sum of the effects that the model knows on one subject, metres.
+/// Sum of the effects that the model has on one subject, metres.
 pub(super) fn known_m(model: &Model, follower: &Follower, subject: EffectSubject) -> f64 {
     let terms = model.effects.iter().filter(|effect| effect.term.regressor.id.subject() == subject);
     let metres = terms.map(|effect| {

@@ -1,4 +1,4 @@
-//! Which candidates could stand in an explanation's place, and how probable each of them is.
+//! Which candidates could replace an explanation's effects, and how probable each of them is.
 
 use std::collections::BTreeMap;
 
@@ -15,20 +15,20 @@ use super::series::BySensor;
 use super::shape_error;
 use super::suspects::Suspects;
 
-/// A pair of candidates is looked at where it leaves less by this than the chosen effect does, in squares
-/// under the chosen noise.
+/// A pair of candidates is considered where its remainder is smaller than the chosen effect's by this, in
+/// squares under the chosen noise.
 const CLEARLY_BETTER: f64 = 10.0;
-/// So many pairs at most, the best ones, get a noise of their own.
+/// Maximum number of pairs, the best ones, that get a noise fit of their own.
 const PAIRS: usize = 3;
-/// A candidate that leaves more squares than this, and than [`HOPELESS`] of what the chosen one explains, is
-/// judged under the chosen one's noise: its odds are then below one in a hundred wherever the power is a
-/// tenth or more. That saves most of the time; what a noise of its own would give it has been seen on the
-/// development seeds only.
+/// A candidate whose remainder exceeds the chosen one's by more squares than this, and by more than
+/// [`HOPELESS`] of what the chosen one explains, is judged under the chosen one's noise: its odds are then
+/// below one in a hundred wherever the power is a tenth or more. That saves most of the time. What a noise
+/// fit of its own would gain has been checked on the development seeds only.
 const FAR: f64 = 100.0;
-/// The share.
+/// Share of what the chosen effect explains, see [`FAR`].
 const HOPELESS: f64 = 0.7;
 
-/// The candidates that could act in place of one that was chosen.
+/// The candidates that could act in place of a chosen one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rivals {
     /// The chosen column.
@@ -37,28 +37,28 @@ pub struct Rivals {
     pub others: Vec<usize>,
     /// Odds of each of the others against the chosen one's effect.
     pub odds: Vec<f64>,
-    /// Squares that the chosen column explains and the others chosen do not.
+    /// Squares that the chosen column explains and the other chosen ones do not.
     pub explained: f64,
-    /// The probability that the chosen column's effect acts, where sets of effects have one
+    /// The probability that the chosen column's effect acts, where sets of effects have probabilities
     /// ([`super::posterior`]).
     pub acts: Option<f64>,
     /// The probability that nothing acts in this place.
     pub empty: f64,
-    /// Whether the chosen effect is larger than nature allows of it, and there for another one
+    /// Whether the chosen effect is larger than physically possible, and so stands in for another one
     /// ([`stands_in`]).
     pub is_stand_in: bool,
 }
 
 impl Rivals {
-    /// Takes another column in, if its effect is not there yet.
+    /// Adds another column, if its effect is not there yet.
     pub fn add(&mut self, column: usize, odds: f64) {
         self.others.push(column);
         self.odds.push(odds);
     }
 }
 
-/// Finds the rivals of every chosen column; by `inflation` the variance of each one's coefficient is larger
-/// than its fit's.
+/// Finds the rivals of every chosen column; `inflation` is the factor by which the variance of each
+/// coefficient exceeds that of its fit.
 pub fn rivals(
     search: &mut Search<'_>,
     suspects: &Suspects<'_>,
@@ -118,16 +118,15 @@ struct Nearest {
     column: usize,
     /// The set with it, ascending.
     set: Vec<usize>,
-    /// Squares that it leaves more than the chosen one, under the chosen one's noise.
+    /// Squares by which its remainder exceeds the chosen one's, under the chosen one's noise.
     behind: f64,
-    /// Whether a noise of its own would not help it.
+    /// Whether a noise fit of its own would not help it.
     is_hopeless: bool,
 }
 
 impl Place<'_> {
     fn rivals(&self, search: &mut Search<'_>) -> Rivals {
-        // An effect's weight: the column of it that the logarithm is of, and the logarithm against the chosen
-        // effect's.
+        // Weight of each effect: its logarithm relative to the chosen effect's, and the column it belongs to.
         let mut found: BTreeMap<EffectId, (f64, usize)> = BTreeMap::new();
         let nearest: Vec<Nearest> =
             self.others().into_iter().filter_map(|effect| self.nearest(effect)).collect();
@@ -179,8 +178,8 @@ impl Place<'_> {
         effects
     }
 
-    /// The best column of another effect in this place. `None` where nature does not allow what it would have
-    /// to be.
+    /// The best column of another effect in this place. `None` where the coefficient would be physically
+    /// impossible.
     fn nearest(&self, effect: EffectId) -> Option<Nearest> {
         let mut worse: Vec<(f64, usize)> = Vec::new();
         for column in self.suspects.usable().iter().copied().filter(|column| self.effect(*column) == effect) {
@@ -197,9 +196,9 @@ impl Place<'_> {
         Some(Nearest { column, set: self.with(&[column]), behind, is_hopeless })
     }
 
-    /// The weight of another effect in this place against the chosen column. How many time constants are
-    /// tried does not count against it, as little as how far its coefficient may reach, because the
-    /// likelihood that would pay for it is weakened.
+    /// The weight of another effect in this place relative to the chosen column. Neither the number of time
+    /// constants tried nor the range of its coefficient counts against it, because the likelihood that would
+    /// compensate for it is tempered.
     fn log_weight(&self, search: &mut Search<'_>, nearest: &Nearest) -> f64 {
         let Nearest { set, behind, is_hopeless, .. } = nearest;
         let chosen = &self.chosen.fit;
@@ -213,15 +212,15 @@ impl Place<'_> {
         -0.5 * power * behind
     }
 
-    /// The columns beside this place and these, ascending.
+    /// The columns outside this place plus these, ascending.
     fn with(&self, columns: &[usize]) -> Vec<usize> {
         let mut set: Vec<usize> = self.without.iter().copied().chain(columns.iter().copied()).collect();
         set.sort_unstable();
         set
     }
 
-    /// The power of the likelihood of a set with further columns against that set alone, if it is right. None
-    /// at all where the two can't be told apart: what a likelihood says of them then is rounding.
+    /// The power of the likelihood of a set with further columns against that set alone, if the set is right.
+    /// Zero where the two cannot be told apart: their likelihoods then differ by rounding.
     fn tempered(&self, noise: &Noise, set: &[usize], further: &[usize]) -> f64 {
         let Some(of_shapes) = shape_error::variance(self.problem, self.suspects, noise, set, further) else {
             return 0.0;
@@ -229,11 +228,11 @@ impl Place<'_> {
         1.0 / (1.0 / self.power + of_shapes)
     }
 
-    /// Two candidates that together fit better than the chosen one does are no worse an explanation for being
-    /// two; but the second must pay as every effect does: its inclusion, and what is believed of its
-    /// coefficient. Where one of them beside the chosen one is worth that too, the pair stands against these
-    /// two. Nor are they a better explanation here: the search has weighed them, and a set that lists one of
-    /// the two alone must not push out the chosen one.
+    /// Two candidates that together fit better than the chosen one are not a worse explanation for being two.
+    /// But the second must pay as every effect does: for its inclusion, and for the prior of its coefficient.
+    /// Where the chosen one with one of them is worth that too, the pair is compared with these two. The pair
+    /// is not a better explanation here either: the search has weighed it, and a set that lists one of the
+    /// two alone must not displace the chosen one.
     fn pairs(&self, search: &mut Search<'_>) -> Vec<(f64, [usize; 2])> {
         let others = self.others();
         let usable: Vec<usize> = self
@@ -270,12 +269,12 @@ impl Place<'_> {
         pairs
     }
 
-    /// The weight of a pair with that solution (the pair's coefficients last) against the chosen column.
+    /// The weight of a pair with that solution (the pair's coefficients last) relative to the chosen column.
     fn of_pair(&self, search: &mut Search<'_>, pair: [usize; 2], solution: &Solution) -> f64 {
         let chosen = &self.chosen.fit;
         let set = self.with(&pair);
         let fit = search.fit(&set, &chosen.values);
-        // The chosen one with one of the pair, if it is worth it.
+        // The chosen one with one of the pair, if that is worth it.
         let mut beside: Option<(f64, usize, NoiseFit)> = None;
         for column in pair {
             let columns = self.with(&[self.column, column]);
@@ -312,8 +311,8 @@ impl Place<'_> {
         (0.5 * power * ahead + price).min(0.0)
     }
 
-    /// What another effect pays (the logarithm of its prior odds and of Occam's factor): its coefficient
-    /// stands at that place of a solution.
+    /// The price of another effect (the logarithm of its prior odds and of Occam's factor), whose coefficient
+    /// is at this position of a solution.
     fn price(&self, column: usize, solution: &Solution, at: usize) -> f64 {
         let n = solution.coefficients.len();
         let variance = solution.covariance[at * n + at];

@@ -1,7 +1,8 @@
-//! The score: the slope of the likelihood in the noise's numbers, and the weights of readings, by one pass of
-//! the filter forward and one backward (Koopman and Shephard, "Exact score for time series models in state
-//! space form", Biometrika 79, 1992; de Jong, "Smoothing and interpolation with the state-space model",
-//! Journal of the American Statistical Association 84, 1989). Differences would take a pass for every number.
+//! The score: the derivative of the likelihood with respect to the noise's parameters, and the weights of
+//! readings, by one pass of the filter forward and one backward (Koopman and Shephard, "Exact score for time
+//! series models in state space form", Biometrika 79, 1992; de Jong, "Smoothing and interpolation with the
+//! state-space model", Journal of the American Statistical Association 84, 1989). Finite differences would
+//! need a pass for every parameter.
 //!
 //! With the readings' covariance `V` and columns `q` that do not depend on the noise, the slope is that of
 //!
@@ -13,31 +14,31 @@ use super::noise::{Noise, NoiseSlope, ProcessSlope, white_share};
 use super::series::{BySensor, Series};
 use super::whitener::{Decay, FIX, LANES, Means, OWN, Pass, Reading, STATES, State, filter};
 
-/// The filter's way forward, all that the way back takes.
+/// The filter's forward pass: all that the backward pass needs.
 struct Tape {
-    /// A step into each block, in the flight's order.
+    /// The step into each block, in the flight's order.
     steps: Vec<Step>,
-    /// Means before each step, `groups` a step.
+    /// Means before each step, `groups` per step.
     means: Vec<Means>,
     readings: Vec<Kept>,
-    /// Weighted innovations, `groups` a reading.
+    /// Weighted innovations, `groups` per reading.
     innovations: Vec<[f64; LANES]>,
 }
 
 struct Step {
     decay: Decay,
-    /// The states' covariance before.
+    /// The states' covariance before the step.
     covariance: [State; STATES],
-    /// How many readings came before.
+    /// How many readings came before the step.
     first: usize,
 }
 
 struct Kept {
     block: usize,
     sensor: usize,
-    /// The filter's gain over the innovation's variance.
+    /// The filter's gain divided by the innovation's variance.
     gain: State,
-    /// One over that variance.
+    /// Inverse of that variance.
     inverse: f64,
 }
 
@@ -68,8 +69,8 @@ fn recorded(series: &Series, noise: &Noise, columns: &[&[BySensor]]) -> Tape {
     tape
 }
 
-/// What the readings after some time say of the states then: `r` for every column, `N` for the readings as
-/// such (the papers' letters).
+/// Information of the readings after some time about the states at that time: `r` for every column, `N` for
+/// the readings themselves (the papers' letters).
 struct Backward {
     columns: Vec<Means>,
     information: [State; STATES],
@@ -80,8 +81,8 @@ impl Backward {
         Self { columns: vec![[[0.0; LANES]; STATES]; groups], information: [[0.0; STATES]; STATES] }
     }
 
-    /// Takes a reading with its innovations over their variance; `weights` are then the columns' in `V^-1 q`,
-    /// and what is given is the diagonal of `V^-1`, both of that reading.
+    /// Processes a reading with its innovations over their variance. `weights` then holds the columns'
+    /// weights in `V^-1 q`, and the result is the diagonal of `V^-1`, both of that reading.
     fn take(&mut self, reading: &Kept, innovations: &[[f64; LANES]], weights: &mut [[f64; LANES]]) -> f64 {
         let read = [0, FIX, 2, OWN + reading.sensor];
         for ((columns, innovations), weights) in self.columns.iter_mut().zip(innovations).zip(weights) {
@@ -116,7 +117,7 @@ impl Backward {
         diagonal
     }
 
-    /// The slope in the states' covariance where the backward pass is.
+    /// The derivative with respect to the states' covariance at the current time of the backward pass.
     fn slope(&self, j: usize, k: usize) -> f64 {
         let columns = self.columns.iter().map(|columns| dot(&columns[j], &columns[k]));
         self.information[j][k] - columns.sum::<f64>()
@@ -140,9 +141,9 @@ fn dot(one: &[f64; LANES], other: &[f64; LANES]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one * other).sum()
 }
 
-/// The way back over a flight, reading by reading and block by block, the last first: `reading` is given each
-/// one's diagonal of `V^-1` and its weights, `block` each step into a block before it is taken back. Where it
-/// ends is before the first block.
+/// The backward pass over a flight, reading by reading and block by block, the last first. `reading` receives
+/// each reading's diagonal of `V^-1` and its weights, `block` each step into a block before it is reversed.
+/// The pass ends before the first block.
 fn back(
     tape: &Tape,
     groups: usize,
@@ -165,7 +166,7 @@ fn back(
     backward
 }
 
-/// The slope of `log |V| + sum of q' V^-1 q` over the columns.
+/// The derivatives of `log |V| + sum of q' V^-1 q` over the columns.
 #[must_use]
 pub fn score(series: &Series, noise: &Noise, columns: &[&[BySensor]]) -> NoiseSlope {
     let groups = columns.len().div_ceil(LANES);
@@ -198,7 +199,7 @@ pub fn score(series: &Series, noise: &Noise, columns: &[&[BySensor]]) -> NoiseSl
 }
 
 impl Step {
-    /// The slopes in the processes that carry the states into a block.
+    /// Adds the derivatives with respect to the processes that carry the states into a block.
     fn add(&self, slope: &mut NoiseSlope, noise: &Noise, backward: &Backward, means: &[Means]) {
         let of = |state: usize, sigma_m: f64, time_s: f64| {
             let keep = self.decay.keep[state];
@@ -234,7 +235,7 @@ impl Step {
 }
 
 /// The weights of all readings in each column's products with others, `V^-1 q`, 1/m: block, sensor and a row
-/// of a weight a column, the last reading first.
+/// with one weight per column, the last reading first.
 pub fn weights(
     series: &Series,
     noise: &Noise,
@@ -283,7 +284,7 @@ mod tests {
         }
     }
 
-    /// The slope in each number of the noise is that of `log |V| + q' V^-1 q + p' V^-1 p` of the dense
+    /// The slope in each parameter of the noise is that of `log |V| + q' V^-1 q + p' V^-1 p` of the dense
     /// covariance, by central differences.
     #[test]
     fn the_score_is_the_slope_of_the_dense_likelihood() {
@@ -308,7 +309,7 @@ mod tests {
         let in_variance = |slope: f64, sigma_m: f64| 2.0 * sigma_m * slope;
         let of = &slope.sensors[1];
         let own = &noise.sensors[1];
-        // Its factor of free flight is one.
+        // Its free-flight factor is one.
         let wander = of.captive.variance + of.free_variance;
         let numbers: [(Number, f64); 9] = [
             (|n| &mut n.reference.sigma_m, in_variance(slope.reference.variance, noise.reference.sigma_m)),

@@ -1,5 +1,5 @@
-//! Which effects act: the set of columns with the most probable explanation, the noise fitted anew for
-//! every set that is looked at.
+//! Which effects act: the set of columns with the most probable explanation, with the noise fitted again for
+//! every set that is tried.
 
 use std::collections::BTreeMap;
 
@@ -8,28 +8,28 @@ use super::problem::{NoiseFit, Problem};
 use super::suspects::Suspects;
 use crate::progress::{Cancelled, Progress, step};
 
-/// Most effects that are looked for at once.
+/// Maximum number of effects that are searched for at once.
 pub const MOST_EFFECTS: usize = 5;
-/// Sets kept at every size while subsets are looked through.
+/// Number of sets kept at every size while subsets are enumerated.
 pub(super) const BEAM: usize = 12;
-/// Subsets proposed in one round.
+/// Number of subsets proposed in one round.
 const PROPOSALS: usize = 5;
-/// Neighbours of the best set proposed for every change of it.
+/// Number of neighbours of the best set proposed for every change of it.
 const NEIGHBOURS: usize = 3;
 const ROUNDS: usize = 8;
-/// A set of effects with the noise that goes with it.
+/// A set of effects and its noise.
 #[derive(Clone, Debug)]
 pub struct Explanation {
     /// Columns of the candidates, ascending.
     pub columns: Vec<usize>,
-    /// The noise that goes with them.
+    /// The noise fitted with these columns.
     pub fit: NoiseFit,
 }
 
-/// The noise fitted beside each set of columns that was looked at.
+/// The noise fitted with each set of columns that was tried.
 pub type Seen = BTreeMap<Vec<usize>, NoiseFit>;
 
-/// The search and what it has looked at.
+/// The search and the sets that it has tried.
 pub struct Search<'a> {
     problem: &'a Problem<'a>,
     suspects: &'a Suspects<'a>,
@@ -43,19 +43,19 @@ impl<'a> Search<'a> {
         Self { problem, suspects, seen: BTreeMap::new() }
     }
 
-    /// A search that goes on where another one of the same problem ended.
+    /// A search that continues where another one of the same problem ended.
     #[must_use]
     pub const fn resumed(problem: &'a Problem<'a>, suspects: &'a Suspects<'a>, seen: Seen) -> Self {
         Self { problem, suspects, seen }
     }
 
-    /// What it has looked at.
+    /// The sets that it has tried.
     #[must_use]
     pub fn into_seen(self) -> Seen {
         self.seen
     }
 
-    /// The noise fitted beside a set of columns.
+    /// The noise fitted with a set of columns.
     pub fn fit(&mut self, columns: &[usize], start: &[f64]) -> NoiseFit {
         match self.seen.get(columns) {
             Some(fit) => fit.clone(),
@@ -63,7 +63,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Fits the noise beside those of the sets that were not looked at yet, side by side.
+    /// Fits the noise of those sets that were not tried yet, in parallel.
     pub fn look_at(&mut self, sets: &[Vec<usize>], start: &[f64]) {
         let mut new: Vec<Vec<usize>> =
             sets.iter().filter(|set| !self.seen.contains_key(*set)).cloned().collect();
@@ -73,7 +73,7 @@ impl<'a> Search<'a> {
         self.seen.extend(new.into_iter().zip(fits));
     }
 
-    /// The better of the noise known for a set of columns and of a fit from another start.
+    /// The better of the noise known for a set of columns and a fit from another start.
     fn fit_again(&mut self, columns: &[usize], start: &[f64]) -> NoiseFit {
         let fit = self.problem.fit_noise(&self.problem.prior, columns, start);
         let known =
@@ -87,14 +87,14 @@ impl<'a> Search<'a> {
         self.suspects.penalty() * columns.len() as f64 - fit.twice_log_posterior
     }
 
-    /// Looks for the most probable set.
+    /// Searches for the most probable set.
     ///
     /// # Errors
-    /// [`Cancelled`] when `progress` says so.
+    /// [`Cancelled`] when `progress` requests it.
     pub fn run(&mut self, progress: &mut Progress<'_>) -> Result<Explanation, Cancelled> {
         let start = self.problem.prior.means();
         let mut best = Explanation { columns: Vec::new(), fit: self.fit(&[], &start) };
-        // Under the null's noise a slow effect looks like wander; under the prior's it stands out.
+        // Under the null's noise a slow effect looks like wander; under the prior's noise it stands out.
         let prior_noise = NoiseFit {
             noise: self.problem.prior.noise(&start),
             values: start,
@@ -119,8 +119,8 @@ impl<'a> Search<'a> {
                 }
             }
             if next.columns == best.columns {
-                // The smaller sets may have ended in a worse maximum of their likelihood: start where
-                // the best one is.
+                // The smaller sets may have ended in a worse maximum of their likelihood: start from the best
+                // one's noise.
                 for left_out in &best.columns {
                     let columns: Vec<usize> =
                         best.columns.iter().copied().filter(|column| column != left_out).collect();
@@ -139,11 +139,11 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// A set near the most probable one, where another search goes on from: the better of none and of the
-    /// best one under the prior's noise.
+    /// A set near the most probable one, from which another search continues: the better of the empty set and
+    /// of the best one under the prior's noise.
     ///
     /// # Errors
-    /// [`Cancelled`] when `progress` says so.
+    /// [`Cancelled`] when `progress` requests it.
     pub fn start(&mut self, progress: &mut Progress<'_>) -> Result<Explanation, Cancelled> {
         let start = self.problem.prior.means();
         let none = Explanation { columns: Vec::new(), fit: self.fit(&[], &start) };
@@ -160,7 +160,7 @@ impl<'a> Search<'a> {
         Ok(if is_better { Explanation { columns, fit } } else { none })
     }
 
-    /// Sets worth a fit of their own: the best subsets under this noise, and the neighbours of a set.
+    /// Sets worth a noise fit of their own: the best subsets under this noise, and the neighbours of a set.
     fn proposals(&self, fit: &NoiseFit, near: &[usize]) -> Vec<Vec<usize>> {
         let information = self.suspects.information(self.problem, &fit.noise);
         let mut sets: Vec<(f64, Vec<usize>)> = Vec::new();

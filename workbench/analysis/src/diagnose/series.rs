@@ -1,13 +1,13 @@
-//! A flight as the diagnosis works on it: block means of residuals and of every candidate's regressor.
+//! A flight in the form that the diagnosis uses: block means of residuals and of every candidate's regressor.
 //!
-//! Averaging over blocks is linear, so a model that holds for the readings holds for the block means
-//! with the same coefficients: nothing is approximated but the noise within a block.
+//! Averaging over blocks is linear, so a model that holds for the readings holds for the block means with the
+//! same coefficients. Only the noise within a block is approximated.
 
 use std::sync::Arc;
 
 use kf_core::sensor::SENSORS;
 
-/// One value a sensor, in the order of [`kf_core::sensor::Sensor`].
+/// One value per sensor, in the order of [`kf_core::sensor::Sensor`].
 pub type BySensor = [f64; SENSORS];
 
 /// Block means of one flight.
@@ -15,21 +15,21 @@ pub type BySensor = [f64; SENSORS];
 pub struct Series {
     /// Mid time of every block, seconds, increasing.
     pub time_s: Vec<f64>,
-    /// Fixes of the reference within each block; at least part of one.
+    /// Number of fixes of the reference within each block; at least part of one.
     pub fixes: Vec<f64>,
     /// Whether the block lies in free flight (after launch, or after the calibration window).
     pub free: Vec<bool>,
     /// Mean residual of each sensor in each block, metres; NaN where the sensor has no reading there.
     pub residual_m: Vec<BySensor>,
-    /// Readings of each sensor in each block.
+    /// Number of readings of each sensor in each block.
     pub readings: Vec<[u32; SENSORS]>,
     /// Mean regressor of every column in each block, metres per unit of the coefficient, by the sensor whose
-    /// residual it is added to; zero for a sensor that the column does not act on. Shared by all copies: they
-    /// are nearly all of a series.
+    /// residual it is added to; zero for a sensor that the column does not act on. All copies share it,
+    /// because the columns are nearly all of a series' memory.
     pub columns: Vec<Arc<Vec<BySensor>>>,
     /// Length of a block, seconds.
     pub block_s: f64,
-    /// Readings that a full block has, by sensor (the median).
+    /// Number of readings in a full block, by sensor (the median).
     pub full_block: BySensor,
 }
 
@@ -40,7 +40,7 @@ impl Series {
         self.time_s.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no blocks.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.time_s.is_empty()

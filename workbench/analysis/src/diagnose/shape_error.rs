@@ -1,31 +1,31 @@
-//! How much of the evidence for one explanation over another the errors of the regressors' shapes may have
-//! made.
+//! How much of the evidence for one explanation over another may come from errors of the regressors' shapes.
 //!
-//! An effect's regressor is made of measured signals by a formula that leaves terms out. A scale, a lag or an
-//! offset of a signal, and the terms left out, make of it another combination of a few shapes: what it really
-//! was is `x + e`. That part of `e` that is like `x` its coefficient takes. The rest stays in the residual,
-//! and may look like another effect's regressor.
+//! An effect's regressor is computed from measured signals by a formula that leaves terms out. Scale errors,
+//! lags and offsets of the signals, and the terms left out, turn it into another combination of a few shapes:
+//! the true one is `x + e`. The part of `e` that is like `x` is absorbed by its coefficient. The rest stays
+//! in the residual, and may look like another effect's regressor.
 //!
-//! Two explanations, the worse and the better, differ by what the better one has beyond the worse, a
-//! direction `w` of length one in the whitened readings; the squares that the better one gains are those of
-//! the residual along it. If the worse one is right, chance puts a variance of one there, and its effects'
-//! errors that of `e w`. An error is taken to be a share of what the effects put into a sensor in a tenth of
-//! a flight, `S` in squares, of any shape there, and another one in the next tenth and on the next sensor.
-//! Then by Cauchy and Schwarz
+//! Two explanations, the worse and the better, differ by what the better one has beyond the worse: a
+//! direction `w` of length one in the whitened readings. The squares that the better one gains are those of
+//! the residual along it. If the worse one is right, chance contributes a variance of one there, and its
+//! effects' errors that of `e w`. An error is assumed to be a share `S`, in squares, of what the effects
+//! contribute to a sensor in a tenth of a flight. It has any shape there, and a different one in the next
+//! tenth and on the next sensor. Then by Cauchy and Schwarz
 //!
 //! `var(e w) <= S sum over tenths and sensors of E W`,
 //!
-//! with the squares `E` that the effects put there and the share `W` of `w` that lies there. Where both are
-//! spread over n tenths that is `S E / n`. An error is no larger in metres either: of the squares `M` that
-//! the effects make there in metres, a share `S`. The whitener takes slow errors for wander, so that a fast
-//! effect of a few metres has more squares than a slow one of tens; but an error of its shape cannot be these
-//! tens of metres. An error of so many metres makes no more along `w` than `S M H`, with the squares `H` of
-//! the weights that `w` gives the readings there ([`super::score::weights`]; Cauchy and Schwarz again). The
-//! smaller of the two counts:
+//! with the squares `E` that the effects contribute there and the share `W` of `w` that lies there. Where
+//! both are spread over n tenths that is `S E / n`. An error is no larger in metres either: it is a share `S`
+//! of the squares `M` that the effects make there in metres. The whitener treats slow errors as wander, so a
+//! fast effect of a few metres has more squares than a slow one of tens of metres; but an error of its shape
+//! cannot be these tens of metres. An error of that size in metres contributes at most `S M H` along `w`,
+//! with the squares `H` of the weights that `w` gives the readings there ([`super::score::weights`]; Cauchy
+//! and Schwarz again). The smaller of the two counts:
 //!
 //! `var(e w) <= S sum over tenths and sensors of min(E W, M H)`.
 //!
-//! What effects do to another sensor, or at another time than that at which the two explanations differ, does
+//! What effects do to another sensor, or at another time than where the two explanations differ, does not
+//! count.
 //! not count.
 
 use kf_core::sensor::SENSORS;
@@ -40,9 +40,10 @@ use super::series::{BySensor, Series};
 use super::suspects::Suspects;
 use super::whitener::whiten;
 
-/// For each column of `kept`, the squares that its effect puts where the direction lies in which `kept` with
-/// `added` differs from `kept` alone (the mean over that direction): so many times its `S` is the variance
-/// that the error of its shape leaves in that direction. `None` where the columns can't be told apart.
+/// For each column of `kept`, the squares of its effect where the direction lies in which `kept` with `added`
+/// differs from `kept` alone (the mean over that direction). Multiplied by the column's `S`, this is the
+/// variance that the error of its shape leaves in that direction. `None` where the columns cannot be told
+/// apart.
 fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize]) -> Option<Vec<f64>> {
     let picks: Vec<usize> = kept.iter().chain(added).copied().collect();
     let products: Vec<DMatrix<f64>> = problem
@@ -87,22 +88,22 @@ fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize
 /// Squares of one sensor in one tenth of a flight.
 #[derive(Clone)]
 struct Part {
-    /// Of the direction, whitened.
+    /// Squares of the direction, whitened.
     direction: f64,
-    /// Of the weights that it gives the readings, 1/m^2.
+    /// Squares of the weights that the direction gives the readings, 1/m^2.
     weights: f64,
     effects: Vec<Effect>,
 }
 
-/// Squares of an effect there.
+/// Squares of an effect in that part.
 #[derive(Clone, Copy, Default)]
 struct Effect {
     whitened: f64,
-    /// m^2.
+    /// Squares in metres, m^2.
     metres: f64,
 }
 
-/// The squares of the direction, the first of some columns, and of effects, the others.
+/// The squares of the direction (the first of these columns) and of the effects (the others).
 fn squares(flight: &Series, noise: &Noise, made: &[Vec<BySensor>]) -> Vec<Part> {
     let effects = vec![Effect::default(); made.len() - 1];
     let mut parts = vec![Part { direction: 0.0, weights: 0.0, effects }; PARTS * SENSORS];
@@ -123,8 +124,8 @@ fn squares(flight: &Series, noise: &Noise, made: &[Vec<BySensor>]) -> Vec<Part> 
     parts
 }
 
-/// The variance, in squares of what chance makes, that the errors of the shapes of `kept` leave in the
-/// direction in which `added` differs from them. `None` where they can't be told apart.
+/// The variance, relative to that of chance, that the errors of the shapes of `kept` leave in the direction
+/// in which `added` differs from them. `None` where they cannot be told apart.
 #[must_use]
 pub fn variance(
     problem: &Problem<'_>,
@@ -137,8 +138,8 @@ pub fn variance(
     Some(kept.iter().zip(exposure).map(|(column, exposure)| suspects.shape(*column) * exposure).sum())
 }
 
-/// A combination of the picks less what of it a flight's own columns (biases first) take, over all of its
-/// columns.
+/// A combination of the picks less the part that a flight's own columns (biases first) absorb, over all of
+/// its columns.
 fn beside_own(products: &DMatrix<f64>, own: usize, picks: &[f64]) -> DVector<f64> {
     let mut vector = DVector::zeros(products.nrows());
     for (k, value) in picks.iter().enumerate() {
@@ -174,7 +175,7 @@ mod tests {
         Noise { reference: none, slow: none, fix_sigma_m: 1e-6, sensors: [sensor; SENSORS] }
     }
 
-    /// A wander of a millionth of it.
+    /// A wander of a millionth of the white noise.
     const NONE_M: f64 = 1e-6;
 
     const BLOCKS: u32 = 120;
@@ -190,13 +191,13 @@ mod tests {
         if block.is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
-    /// The exposure of an effect that puts three times the first column on a sensor, towards a second column
-    /// on the barometer.
+    /// The exposure of an effect that contributes three times the first column to a sensor, towards a second
+    /// column on the barometer.
     fn towards(sensor: usize, first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64) -> f64 {
         beside_wander(NONE_M, sensor, first, second)
     }
 
-    /// The same beside a wander of so many metres.
+    /// The same with a wander of this many metres.
     fn beside_wander(
         wander_m: f64,
         sensor: usize,
@@ -231,7 +232,7 @@ mod tests {
         exposure(&problem, &noise(wander_m), &[0], &[1]).unwrap()[0]
     }
 
-    /// Squares of three metres in each of so many blocks.
+    /// Squares of three metres in each of this many blocks.
     fn squares(blocks: u32) -> f64 {
         f64::from(blocks) * 9.0 / (WHITE_M * WHITE_M)
     }
@@ -240,14 +241,14 @@ mod tests {
         assert!((exposure - expected).abs() < 1e-4 * (1.0 + expected), "{exposure}, expected {expected}");
     }
 
-    /// E spread evenly over ten tenths counts with a tenth of it.
+    /// E spread evenly over ten tenths counts as a tenth of it.
     #[test]
     fn an_effect_over_all_of_a_flight_counts_by_its_tenths() {
         assert_is(towards(BARO, kept, added), squares(BLOCKS) / 10.0);
     }
 
-    /// All of it lies in the fourth tenth, where half of the direction lies, and the other half lies in the
-    /// eighth.
+    /// All of the effect lies in the fourth tenth, where half of the direction lies; the other half lies in
+    /// the eighth.
     #[test]
     fn what_counts_is_where_the_direction_lies() {
         let within = |value: f64, block: u32, tenths: [u32; 2]| {
@@ -263,21 +264,21 @@ mod tests {
         assert_is(towards(INERTIAL, kept, added), 0.0);
     }
 
-    /// Only what the kept column leaves of the added one is a direction: where the added column is that of
-    /// the kept one in the first half and another one in the second, the direction is both, five tenths each.
+    /// Only what the kept column leaves of the added one is a direction. Where the added column equals the
+    /// kept one in the first half and differs in the second, the direction is both, five tenths each.
     #[test]
     fn the_direction_is_what_the_kept_columns_leave() {
         let second = |block| if block < 60 { kept(block) } else { 3.0 * added(block) };
-        // The kept column is spread evenly, so that the place does not matter to it. Alone it takes half of
-        // the added one's 0.2 as well: 3.1.
+        // The kept column is spread evenly, so the direction's place does not matter to it. Alone it absorbs
+        // half of the added one's 0.2 as well: 3.1.
         assert_is(towards(BARO, kept, second), (3.1_f64 / 3.0).powi(2) * squares(BLOCKS) / 10.0);
-        // The kept column in the first half alone takes all of it there: nothing is left where it acts.
+        // The kept column in the first half alone absorbs everything there: nothing is left where it acts.
         assert_is(towards(BARO, |block| if block < 60 { kept(block) } else { 0.0 }, second), 0.0);
     }
 
-    /// A fast effect and a slow direction in a wander, written down with the dense covariance: parts in which
-    /// the metres bound the error are there, and they make less than a tenth of what whitened squares alone
-    /// would.
+    /// A fast effect and a slow direction in a wander, written down with the dense covariance: in some parts
+    /// the metres bound the error, and the bound is less than a tenth of what whitened squares alone would
+    /// give.
     #[test]
     fn a_fast_effects_error_is_no_larger_in_metres_towards_a_slow_direction() {
         const WANDER_M: f64 = 5.0;
@@ -288,7 +289,7 @@ mod tests {
             wander + if r == c { WHITE_M * WHITE_M } else { 0.0 }
         });
         let factor = covariance.cholesky().unwrap();
-        // What other columns leave of a column, and how much of each of them it has.
+        // What other columns leave of a column, and its coefficient on each of them.
         let beside = |column: &DVector<f64>, others: &[&DVector<f64>]| {
             let others =
                 DMatrix::from_columns(&others.iter().map(|other| (*other).clone()).collect::<Vec<_>>());
@@ -315,7 +316,7 @@ mod tests {
         let length = white_direction.norm_squared();
         assert!(expected < 0.1 * by_whitened);
         assert_is(beside_wander(WANDER_M, BARO, kept, slow), expected / length);
-        // Without a wander metres and squares are one.
+        // Without a wander, metres and whitened squares are equivalent.
         assert!(towards(BARO, kept, slow) > 0.9 * squares(BLOCKS) / 10.0);
     }
 }

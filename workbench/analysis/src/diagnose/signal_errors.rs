@@ -1,11 +1,11 @@
 //! Regressors made of signals that were measured late, or with an offset.
 //!
-//! An airspeed comes through tubing and a filter, a vane has inertia and is set to some half a degree, and a
-//! receiver that is late with its altitude is as late with its velocity. A regressor made of such a signal is
-//! wrong in shape, and what it leaves looks like another effect: a load factor is what a prompt vane would
-//! have said, and a lever arm what the end of a climb looks like to a late receiver. So these regressors are
-//! tried as if their signals had been prompt and true as well: the column is read so much ahead, and an angle
-//! is turned by so much. Which of them fits says nothing of the effect, only of its instrument: all are one
+//! An airspeed passes through tubing and a filter, a vane has inertia and is aligned to about half a degree,
+//! and a receiver whose altitude is late has an equally late velocity. A regressor made of such a signal has
+//! the wrong shape, and its remainder looks like another effect: a load factor like what a prompt vane would
+//! have measured, and a lever arm like the end of a climb at a late receiver. So these regressors are also
+//! tried as if their signals had been prompt and true: the column is read ahead by the delay, and an angle is
+//! corrected by an offset. Which of them fits depends on the instrument only, not on the effect: all are one
 //! effect.
 
 use kf_core::effect::EffectId;
@@ -15,23 +15,23 @@ use super::series::{BySensor, Series};
 /// How the signal that a regressor is made of may be wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SignalError {
-    /// How late it is, seconds.
+    /// Delay of the signal, seconds.
     pub late_s: f32,
-    /// What its angle lacks, radians.
+    /// Amount by which its angle is too small, radians.
     pub offset_rad: f32,
 }
 
-/// A vane answers within some tenths of a second.
+/// A vane responds within some tenths of a second.
 const VANE_LATE_S: [f32; 3] = [0.0, 0.15, 0.3];
-/// It is set to about half a degree.
+/// A vane is aligned to about half a degree.
 const VANE_OFFSET_RAD: [f32; 3] = [0.0, 0.01, -0.01];
-/// Tubing and filter of an airspeed.
+/// Delay of an airspeed by its tubing and filter.
 const AIRSPEED_LATE_S: [f32; 3] = [0.0, 0.3, 0.6];
-/// A receiver's altitude that is late by d is its true one less d times the mean climb rate of the last d
-/// seconds: that of a velocity as late, d/2 ahead. A receiver is some three seconds late at most.
+/// A receiver's altitude that is late by d equals the true one less d times the mean climb rate of the last d
+/// seconds: an equally late velocity, read d/2 ahead. A receiver is about three seconds late at most.
 const RECEIVER_LATE_S: [f32; 4] = [0.0, 0.5, 1.0, 1.5];
 
-/// The errors that are tried of an effect's signal, none first.
+/// The signal errors that are tried for an effect, no error first.
 #[must_use]
 pub fn errors(effect: EffectId) -> Vec<SignalError> {
     let late = |seconds: &[f32]| {
@@ -48,8 +48,8 @@ pub fn errors(effect: EffectId) -> Vec<SignalError> {
     }
 }
 
-/// A column of block means, read so much ahead: between the means of the blocks around that time. Where they
-/// are of another phase, or behind a gap, the last two that belong together go on.
+/// Reads a column of block means ahead by `late_s`: between the means of the blocks around that time. Where
+/// these are in another phase or after a gap, the last two connected blocks are extrapolated.
 pub(super) fn read_ahead(series: &Series, column: &mut [BySensor], late_s: f32) {
     let share = f64::from(late_s) / series.block_s;
     let seen = |block: usize, sensor: usize| series.readings.get(block).is_some_and(|of| of[sensor] > 0);
@@ -97,7 +97,7 @@ mod tests {
         column.into_iter().map(|values| values[2]).collect()
     }
 
-    /// A ramp that is read ahead is the ramp so much later, in the last blocks too.
+    /// A ramp that is read ahead is the ramp at the later time, in the last blocks too.
     #[test]
     fn a_ramp_is_read_ahead_everywhere() {
         let times_s: Vec<f64> = (0..20).map(|k| 1.0 + 2.0 * f64::from(k)).collect();
@@ -109,17 +109,17 @@ mod tests {
         }
     }
 
-    /// More than a block ahead lies between the two blocks that are there, and is not the next one's rise
-    /// drawn on.
+    /// More than a block ahead is read between the two blocks there, and not extrapolated from the next one's
+    /// rise.
     #[test]
     fn more_than_a_block_ahead_is_read_where_it_lies() {
         let times_s: Vec<f64> = (0..5).map(|k| 1.0 + 2.0 * f64::from(k)).collect();
         let found = ahead(&series(&times_s, 0), |t| (t * t).round(), 3.0);
-        // Of 1, 9, 25, 49 and 81; at the end the last rise of 32 a block goes on.
+        // The squares 1, 9, 25, 49 and 81; at the end the last rise of 32 a block continues.
         assert_eq!(found, [17.0, 37.0, 65.0, 97.0, 129.0]);
     }
 
-    /// What happens at the launch or in a gap is not drawn into the blocks before it.
+    /// What happens at the launch or after a gap is not carried into the blocks before it.
     #[test]
     fn a_launch_and_a_gap_are_not_read_across() {
         let times_s = [1.0, 3.0, 5.0, 7.0, 9.0, 21.0, 23.0];
@@ -134,7 +134,7 @@ mod tests {
         assert_eq!(ahead(&silent, |t| t, 0.5)[1..4], [3.5, 5.0, 7.5]);
     }
 
-    /// A right signal is tried first; nothing else is tried of effects that no such signal makes.
+    /// A correct signal is tried first; nothing else is tried for effects that use no such signal.
     #[test]
     fn a_right_signal_comes_first() {
         for effect in EffectId::ALL {

@@ -4,7 +4,7 @@ use kf_core::input::TickInput;
 
 use flight_data::Column;
 
-/// The names of the signals, by [`SignalMeans`]' order; the flight's unknown columns come after them.
+/// The names of the signals, in [`SignalMeans`]' order; the flight's unknown columns come after them.
 pub const NAMES: [&str; 21] = [
     "tas_mps",
     "climb rate",
@@ -29,18 +29,18 @@ pub const NAMES: [&str; 21] = [
     "ground velocity east",
 ];
 
-/// A flight's unknown columns that an unexplained residual may follow. Not what an autopilot estimated
-/// (`autopilot_*`), nor what another barometer read (`baro_N_pa`): the sensors' errors and the path itself
-/// are in them, as in the residual, so that each would seem to follow the other.
+/// A flight's unknown columns that an unexplained residual may follow. These exclude what an autopilot
+/// estimated (`autopilot_*`) and what another barometer read (`baro_N_pa`): they contain the sensors' errors
+/// and the path itself, as the residual does, so each would seem to follow the other.
 pub fn offered(extra: &[(String, Column)]) -> impl Iterator<Item = &(String, Column)> {
     let is_path =
         |name: &str| name.starts_with("autopilot_") || (name.starts_with("baro_") && name.ends_with("_pa"));
     extra.iter().filter(move |(name, _)| !is_path(name))
 }
 
-/// Where the altitude by the integral of the climb rate stands among the signals.
+/// Index among the signals of the altitude that the climb rate integrates to.
 pub const CLIMBED: usize = 2;
-/// Where the velocity over ground stands among the signals: north, east.
+/// Indices among the signals of the velocity over ground: north, east.
 pub const GROUND_VELOCITY: [usize; 2] = [19, 20];
 
 /// Means of the signals over the block that is being filled; a signal without a sample keeps its last mean.
@@ -52,17 +52,17 @@ pub struct SignalMeans {
 }
 
 impl SignalMeans {
-    /// Of the known signals and so many unknown columns.
+    /// For the known signals and this many unknown columns.
     #[must_use]
     pub fn new(extra: usize) -> Self {
         let n = NAMES.len() + extra;
         Self { sum: vec![0.0; n], count: vec![0; n], last: vec![f64::NAN; n] }
     }
 
-    /// Takes a tick.
+    /// Processes a tick.
     ///
-    /// `climbed_m` is the altitude by the integral of the climb rate: the fixes' own altitude has the
-    /// reference's error in it, which the residual has as well, so that each would seem to follow the other.
+    /// `climbed_m` is the altitude that the climb rate integrates to. The fixes' own altitude contains the
+    /// reference's error, which the residual contains as well, so each would seem to follow the other.
     pub fn take(
         &mut self,
         input: &TickInput,
@@ -113,7 +113,7 @@ impl SignalMeans {
         }
     }
 
-    /// The means of the block; starts the next.
+    /// Returns the means of the block and starts the next.
     pub fn close(&mut self) -> Vec<f64> {
         for k in 0..self.sum.len() {
             if self.count[k] > 0 {

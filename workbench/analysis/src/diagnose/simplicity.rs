@@ -7,9 +7,9 @@ use super::search::{BEAM, Explanation, extended};
 use super::shape_error;
 use super::suspects::Suspects;
 
-/// A smaller set on the same sensors that leaves no more than the errors of its effects' shapes may have made
+/// A smaller set on the same sensors whose larger remainder may come from errors of its effects' shapes
 /// ([`super::shape_error`]), if there is one: what the further effects add may be the other formula's error.
-/// Effects of the reference are on every sensor, so with one of them all sensors are looked at together.
+/// Effects of the reference are on every sensor, so with one of them all sensors are considered together.
 #[must_use]
 pub fn simpler(problem: &Problem<'_>, suspects: &Suspects<'_>, chosen: &Explanation) -> Option<Vec<usize>> {
     let information = suspects.information(problem, &chosen.fit.noise);
@@ -17,8 +17,8 @@ pub fn simpler(problem: &Problem<'_>, suspects: &Suspects<'_>, chosen: &Explanat
     let rest = |set: &[usize]| suspects.rest_but_noise(&information, &weights, set);
     let best = information.solve(&suspects.positions(&chosen.columns))?.rest;
     let sensor = |column: &usize| suspects.candidate(*column).sensor();
-    // By how much chance and shapes together outdo chance alone in what sets the chosen one apart from a
-    // smaller one.
+    // The factor by which the variance from chance and shapes together exceeds that from chance alone, in
+    // what distinguishes the chosen set from a smaller one.
     let by_shapes = |set: &[usize]| {
         let further: Vec<usize> = chosen.columns.iter().copied().filter(|c| !set.contains(c)).collect();
         1.0 + shape_error::variance(problem, suspects, &chosen.fit.noise, set, &further)

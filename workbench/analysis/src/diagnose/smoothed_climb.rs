@@ -1,12 +1,12 @@
-//! The climb rate as a first-order low pass passes it on.
+//! The climb rate after a first-order low pass.
 //!
-//! What lags hardly ever does it by a pure delay: a tube with a volume behind it, or a receiver that filters,
-//! is a low pass, `y + tau y' = x`. Then `y = x - tau LP(x')`, exactly, with the same low pass LP: the
-//! coefficient is still the lag in seconds, and the regressor the smoothed climb rate. A pure delay d is
-//! `x - d` times the mean climb rate of the last d seconds, which a low pass of about d/2 comes near to.
-//! Without this, a lag's misfit at sharp turns of the path goes to whatever effect happens to look like it.
+//! A lag is hardly ever a pure delay: a tube with a volume at its end, or a receiver that filters, is a low
+//! pass, `y + tau y' = x`. Then `y = x - tau LP(x')`, exactly, with the same low pass LP: the coefficient is
+//! still the lag in seconds, and the regressor is the smoothed climb rate. A pure delay d is `x - d` times
+//! the mean climb rate of the last d seconds, which a low pass of about d/2 approximates. Without this, a
+//! lag's misfit at sharp turns of the path is attributed to whatever effect happens to look like it.
 
-/// Time constants of the low passes that lags are tried with, seconds. 0: as the catalogue has it.
+/// Time constants of the low passes that lags are tried with, seconds. 0: as in the catalogue.
 pub const SMOOTHINGS_S: [f32; 5] = [0.0, 0.5, 1.0, 2.0, 4.0];
 
 /// The climb rate through each of the low passes.
@@ -17,8 +17,8 @@ pub struct SmoothedClimb {
 }
 
 impl SmoothedClimb {
-    /// Takes the climb rate (m/s) at a time (microseconds), later than the last; it is taken as linear in
-    /// between.
+    /// Adds the climb rate (m/s) at a time (microseconds) later than the last; in between it is assumed to be
+    /// linear.
     pub fn take(&mut self, time_us: u64, climb_mps: f64) {
         let Some((last_us, before_mps)) = self.last else {
             self.last = Some((time_us, climb_mps));
@@ -31,7 +31,7 @@ impl SmoothedClimb {
         }
         let slope = (climb_mps - before_mps) / elapsed_s;
         for (smoothed, time_s) in self.smoothed_mps.iter_mut().zip(SMOOTHINGS_S.map(f64::from)) {
-            // A ramp comes out of a low pass late by its time constant; what it was off before dies away.
+            // After a low pass a ramp is late by the time constant; the earlier error decays.
             let keep = if time_s > 0.0 { libm::exp(-elapsed_s / time_s) } else { 0.0 };
             *smoothed = climb_mps - slope * time_s + keep * (*smoothed - before_mps + slope * time_s);
         }
@@ -51,7 +51,7 @@ impl SmoothedClimb {
 mod tests {
     use super::*;
 
-    /// Through the low pass the altitude itself, in closed form, is its ramp's and sine's steady answer.
+    /// With this low pass, the altitude itself is in closed form the steady response to its ramp and sine.
     #[test]
     fn a_smoothed_climb_rate_makes_a_low_passed_altitude() {
         let rate = 0.7_f64;

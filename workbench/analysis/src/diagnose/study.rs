@@ -1,4 +1,4 @@
-//! A diagnosis that ends in a problem.
+//! A diagnosis that ends in a learning problem.
 
 use executor::Executor;
 use kf_core::effect::Regressor;
@@ -11,12 +11,12 @@ use super::work::{Work, judged};
 use crate::progress::{Cancelled, Progress, step};
 
 /// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
-/// learned from. A time constant is refined between those of the diagnosis' grid, beside what the diagnosis
-/// found to act. No problem where the flights lack its signals ([`Diagnosis::untested`]) or its regressor
-/// does not move in them.
+/// learned from. A time constant is refined between those of the diagnosis' grid, together with the effects
+/// that the diagnosis found. There is no problem where the flights lack its signals ([`Diagnosis::untested`])
+/// or its regressor does not move in them.
 ///
 /// # Errors
-/// [`Cancelled`] when `progress` says so.
+/// [`Cancelled`] when `progress` requests it.
 pub fn study(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
@@ -27,10 +27,10 @@ pub fn study(
     study_remembering(None, flights, hold_outs, wanted, progress, executor)
 }
 
-/// As [`study`], without doing again what a diagnosis of the same flights and model has done.
+/// As [`study`], without repeating what a diagnosis of the same flights and model has done.
 ///
 /// # Errors
-/// [`Cancelled`] when `progress` says so.
+/// [`Cancelled`] when `progress` requests it.
 pub fn study_remembering(
     work: Option<&Work>,
     flights: &[NamedReplay<'_>],
@@ -70,6 +70,6 @@ pub fn study_remembering(
     Ok((diagnosis, Some(finer.unwrap_or(problem))))
 }
 
-/// Time constants between those of the diagnosis' grid, as factors: a tenth apart an exponential differs by
-/// less than a hundredth of its size.
+/// Time constants between those of the diagnosis' grid, as factors: between two a tenth apart, an exponential
+/// differs by less than a hundredth of its size.
 const FINER: [f32; 11] = [0.57, 0.64, 0.72, 0.8, 0.9, 1.0, 1.1, 1.22, 1.36, 1.52, 1.7];

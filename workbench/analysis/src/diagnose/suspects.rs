@@ -1,4 +1,4 @@
-//! The candidates that take part in a search, and what is known of each of their regressors.
+//! The candidates that take part in a search, and what is known about their regressors.
 
 use super::candidates::Candidate;
 use super::information::{Information, Solution};
@@ -7,12 +7,12 @@ use super::physical_range::{Bounds, is_possible};
 use super::problem::Problem;
 use super::series::BySensor;
 
-/// What an effect must gain in twice the log likelihood beyond what the best of so many candidates gains by
-/// chance (which is 2 ln of their number). 16 is a chance of 1 in 10,000 for one of them, which leaves room
-/// for noise that is not quite what the likelihood takes it for.
+/// Gain in twice the log likelihood that an effect needs beyond what the best of this many candidates gains
+/// by chance (which is 2 ln of their number). 16 is a chance of 1 in 10,000 for one of them, which leaves
+/// room for noise that is not quite what the likelihood assumes.
 const EVIDENCE: f64 = 16.0;
 
-/// What is known of each candidate's regressor.
+/// What is known about each candidate's regressor.
 #[derive(Clone, Debug)]
 pub struct Suspects<'a> {
     candidates: &'a [Candidate],
@@ -24,16 +24,16 @@ pub struct Suspects<'a> {
     penalty: f64,
 }
 
-/// What is known of every candidate's regressor, in the candidates' order.
+/// What is known about every candidate's regressor, in the candidates' order.
 #[derive(Clone, Debug)]
 pub struct Regressors {
     /// Variance of the noise in each one's block means, m^2 per squared unit of its coefficient.
     pub noise_m2: Vec<f64>,
-    /// Those that are only roughly known.
+    /// Whether each one is only roughly known.
     pub is_rough: Vec<bool>,
-    /// The share (squares) by which the shape of each one is wrong.
+    /// Relative error (squares) of each one's shape.
     pub shape: Vec<f64>,
-    /// What nature allows of the coefficients.
+    /// Physical ranges of the coefficients.
     pub bounds: Vec<Bounds>,
 }
 
@@ -60,31 +60,31 @@ impl<'a> Suspects<'a> {
         problem.information(noise, &self.usable)
     }
 
-    /// The candidates' columns that take part.
+    /// The columns of the candidates that take part.
     #[must_use]
     pub fn usable(&self) -> &[usize] {
         &self.usable
     }
 
-    /// Where a candidate's column stands among the usable ones.
+    /// Position of a candidate's column among the usable ones.
     #[must_use]
     pub fn position(&self, column: usize) -> Option<usize> {
         self.usable.iter().position(|usable| *usable == column)
     }
 
-    /// Positions of several.
+    /// Positions of several columns.
     #[must_use]
     pub fn positions(&self, columns: &[usize]) -> Vec<usize> {
         columns.iter().filter_map(|column| self.position(*column)).collect()
     }
 
-    /// Whether two columns are of the same effect.
+    /// Whether two columns belong to the same effect.
     #[must_use]
     pub fn same_effect(&self, a: usize, b: usize) -> bool {
         self.candidates[a].effect() == self.candidates[b].effect()
     }
 
-    /// Whether every coefficient of a fit of these columns is what nature allows.
+    /// Whether every coefficient of a fit of these columns is physically possible.
     #[must_use]
     pub fn is_possible(&self, set: &[usize], solution: &Solution) -> bool {
         let bounds: Vec<Bounds> = set.iter().map(|column| self.bounds[*column]).collect();
@@ -97,19 +97,19 @@ impl<'a> Suspects<'a> {
         self.bounds[column].range
     }
 
-    /// The share of a column's coefficient that is unsure beside its noise.
+    /// The share of a column's coefficient that is uncertain in addition to its noise.
     #[must_use]
     pub fn scale(&self, column: usize) -> f64 {
         self.bounds[column].scale
     }
 
-    /// Sigmas of what is believed of columns' coefficients before a flight: half of their range's width.
+    /// Sigmas of the priors of columns' coefficients before a flight: half of their range's width.
     #[must_use]
     pub fn prior(&self, columns: &[usize]) -> Vec<f64> {
         columns.iter().map(|column| self.range(*column)).map(|[least, most]| 0.5 * (most - least)).collect()
     }
 
-    /// What another effect must gain in twice the log likelihood to be taken in.
+    /// Gain in twice the log likelihood that another effect needs to be added.
     #[must_use]
     pub const fn penalty(&self) -> f64 {
         self.penalty
@@ -121,7 +121,7 @@ impl<'a> Suspects<'a> {
         self.is_rough.get(column) == Some(&true)
     }
 
-    /// The share (squares) by which the shape of what a candidate puts into a tenth of a flight may be wrong.
+    /// Possible relative error (squares) of the shape of what a candidate contributes to a tenth of a flight.
     #[must_use]
     pub fn shape(&self, column: usize) -> f64 {
         self.shape[column]
@@ -133,7 +133,8 @@ impl<'a> Suspects<'a> {
         self.noise_m2.get(column).copied().unwrap_or(0.0)
     }
 
-    /// The sum of squares that a set leaves, less what the noise in its regressors must leave if it is right.
+    /// The sum of squares that a set leaves, less what the noise in its regressors leaves if the set is
+    /// right.
     #[must_use]
     pub fn rest_but_noise(
         &self,

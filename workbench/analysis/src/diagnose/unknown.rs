@@ -1,5 +1,5 @@
-//! What nothing in the catalogue explains: signals that the rest follows, and wander that is there
-//! only in free flight.
+//! What nothing in the catalogue explains: signals that the remainder follows, and wander that exists only in
+//! free flight.
 
 use super::diagnosis::Follows;
 use super::epochs::Epochs;
@@ -8,36 +8,36 @@ use super::problem::{NoiseFit, Problem};
 use super::unknown_columns::{Extra, LAGS_S, PLAYS_M, Shape, Test, extra_columns, spread};
 use super::whitener::whiten;
 
-/// What a signal must gain in twice the log likelihood beyond the best of as many by chance: more than an
-/// effect of the catalogue, for which physics speaks.
+/// Gain in twice the log likelihood that a signal needs beyond the best of as many by chance: more than an
+/// effect of the catalogue, which physics supports.
 const EVIDENCE: f64 = 16.0;
-/// And this share of what the effects found explain: their formulas are no better than that.
+/// In addition, this share of what the effects found explain: their formulas are not more accurate than that.
 pub const SHAPE: f64 = 0.05;
-/// A signal that takes the chosen effects' place is better than they are where it leaves less by this share
-/// of what they explain: as much as a right formula of measured signals may miss (as in `search`).
+/// A signal that replaces the chosen effects is better than they are where its remainder is smaller by this
+/// share of what they explain: as much as a right formula of measured signals may miss (as in `search`).
 pub const BETTER: f64 = 0.02;
-/// A signal's shape that shares this much with a candidate of the catalogue is that candidate's.
+/// A signal's shape that shares this much with a candidate of the catalogue belongs to that candidate.
 const IN_CATALOGUE: f64 = 0.9;
-/// Columns that are tested in one pass.
+/// Number of columns that are tested in one pass.
 const CHUNK: usize = 12;
-/// White noise that many times larger in free flight than under the mother ship is no noise.
+/// White noise that is this many times larger in free flight than under the mother ship is not noise.
 const WHITE_FACTOR: f64 = 3.0;
-/// Free-flight factors below this are not worth a user's while ...
+/// Free-flight factors below this do not matter to a user ...
 const FACTOR: f64 = 1.6;
-/// ... and below this gain in twice the log posterior not sure.
+/// ... and below this gain in twice the log posterior they are not certain.
 const FACTOR_EVIDENCE: f64 = 14.0;
 
-/// Jumps are looked for where the innovation is largest: at so many blocks of a flight.
+/// Jumps are looked for where the innovation is largest: at this many blocks of a flight.
 const JUMPS: usize = 12;
 
-/// The same where the climb rate is not measured: lags are then fitted as pure delays, whose shape a low pass
-/// has to some 15 %, which is 28 % of the squares.
+/// The same where the climb rate is not measured: lags are then fitted as pure delays, whose shape differs
+/// from a low pass by about 15 %, which is 28 % of the squares.
 pub const SHAPE_WITHOUT_CLIMB_RATE: f64 = 0.28;
 
-/// What speaks against taking a rest for a sensor's.
+/// Reasons not to attribute a remainder to a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Doubts {
-    /// No other sensor flies free: a jump may be the receiver's, whose satellites changed.
+    /// No other sensor is in free flight: a jump may be the receiver's, whose satellites changed.
     pub is_alone: bool,
     /// The climb rate is measured.
     pub has_climb_rate: bool,
@@ -46,14 +46,14 @@ pub struct Doubts {
 /// What the tests found on one sensor.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Unexplained {
-    /// What the rest follows, the closest first.
+    /// Signals that the remainder follows, the closest first.
     pub follows: Vec<Follows>,
     /// Whether one of these alone explains more than all effects chosen on the sensor together.
     pub is_better: bool,
 }
 
-/// Tests every signal and every time of a jump on one sensor's residual. `own` are the candidates on that
-/// sensor, `explained` what the effects chosen on it explain (squares).
+/// Tests every signal and every jump time on one sensor's residual. `own` are the candidates on that sensor,
+/// `explained` what the effects chosen on it explain (squares).
 #[expect(clippy::too_many_arguments, reason = "one question about one sensor")]
 pub fn unexplained(
     problem: &Problem<'_>,
@@ -120,7 +120,7 @@ fn tests(
     for signal in 0..signals {
         for shape in Shape::ALL {
             for lag_s in LAGS_S {
-                // The rate is the difference to a low pass, so it has a lag of its own.
+                // The rate is the difference from a low pass, so it has a lag of its own.
                 if shape != Shape::Rate || lag_s > 0.0 {
                     tests.push(Test::Signal { signal, shape, lag_s });
                 }
@@ -145,7 +145,7 @@ fn tests(
     tests
 }
 
-/// Whitened residuals of a flight after what was chosen: block, sensor, value.
+/// Whitened residuals of a flight after the chosen effects: block, sensor, value.
 fn residual_innovations(
     problem: &Problem<'_>,
     flight: usize,
@@ -168,9 +168,9 @@ fn residual_innovations(
     innovations
 }
 
-/// Gain in twice the log posterior of letting a sensor's noise be larger in free flight, if it is so much
+/// Gain in twice the log posterior from letting a sensor's noise be larger in free flight, if it is so much
 /// larger that something unexplained must act. `explained_white_m2` is the white noise that the regressors of
-/// the effects found bring with them.
+/// the effects found add.
 pub fn free_flight_excess(
     problem: &Problem<'_>,
     fit: &NoiseFit,
@@ -202,7 +202,7 @@ fn information(problem: &Problem<'_>, fit: &NoiseFit, picks: &[usize], extra: &E
     information
 }
 
-/// Whether a candidate of the catalogue has that shape, given what was chosen.
+/// Whether a candidate of the catalogue has that shape, given the chosen effects.
 fn is_in_catalogue(
     problem: &Problem<'_>,
     fit: &NoiseFit,

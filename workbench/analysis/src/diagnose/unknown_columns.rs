@@ -1,4 +1,5 @@
-//! What a rest may follow: functions of signals with a lag, a play on the altitude, jumps; and their columns.
+//! What a remainder may follow: functions of signals with a lag, a play on the altitude, jumps; and their
+//! columns.
 
 use super::epochs::Epochs;
 use super::series::BySensor;
@@ -6,18 +7,18 @@ use super::signals::CLIMBED;
 
 /// Lags of the low passes that are tried, seconds.
 pub const LAGS_S: [f64; 3] = [0.0, 2.0, 8.0];
-/// Half-widths of the plays that are tried, metres: what aneroids and pressure cells have (some metres), and
-/// what a sticking capsule or a kinked hose makes of it.
+/// Half-widths of the plays that are tried, metres: those of aneroids and pressure cells (some metres), and
+/// those due to a sticking capsule or a kinked hose.
 pub const PLAYS_M: [f64; 4] = [4.0, 10.0, 25.0, 60.0];
 
-/// What is tested: a function of a signal with a lag, a play on the altitude, or a jump that stays.
+/// What is tested: a function of a signal with a lag, a play on the altitude, or a permanent jump.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Test {
     /// A function of a signal, through a low pass.
     Signal { signal: usize, shape: Shape, lag_s: f64 },
-    /// Elastic hysteresis: the sensor follows only when the altitude has gone on by the half-width.
+    /// Elastic hysteresis: the sensor follows only when the altitude has moved on by the half-width.
     Play { half_width_m: f64 },
-    /// A jump that stays, in that block of that flight.
+    /// A permanent jump, in this block of this flight.
     Jump { flight: usize, block: usize },
 }
 
@@ -44,7 +45,7 @@ impl Shape {
 }
 
 impl Test {
-    /// Whether it has a second column: a jump within a block is the block's own share, and the rest.
+    /// Number of columns. A jump within a block has two: the block's own share, and the rest.
     pub const fn width(self) -> usize {
         match self {
             Self::Signal { .. } | Self::Play { .. } => 1,
@@ -70,7 +71,7 @@ impl Test {
     }
 }
 
-/// Extra columns, by flight: one a test.
+/// Extra columns, by flight: one per test.
 pub type Extra = Vec<Vec<Vec<BySensor>>>;
 
 /// The columns of tests on one sensor.
@@ -119,7 +120,7 @@ fn signal_values(epochs: &Epochs, signal: usize, shape: Shape, lag_s: f64) -> Ve
     shaped.collect()
 }
 
-/// What a play adds to altitudes, metres; nothing where there is no altitude.
+/// What a play adds to altitudes, metres; zero where there is no altitude.
 fn play(altitudes_m: impl Iterator<Item = f64>, half_width_m: f64) -> Vec<f64> {
     let mut centre_m = None;
     let lags = altitudes_m.map(|altitude_m| {
@@ -170,11 +171,12 @@ mod tests {
     fn a_play_follows_only_when_the_altitude_has_gone_on_by_its_half_width() {
         let up_and_down = [100.0, 105.0, 110.0, 130.0, 125.0, 112.0, 105.0, f64::NAN, 110.0];
         let lags = play(up_and_down.into_iter(), 10.0);
-        // Up to 110 within the play; dragged to 120 at 130; at 110 again from 110 on down; dragged to 115 at 105.
+        // Up to 110 within the play; at 130 dragged to 120; at 110 again from 110 downwards; at 105 dragged
+        // to 115.
         assert_eq!(lags, [0.0, -5.0, -10.0, -10.0, -5.0, 8.0, 10.0, 0.0, 5.0]);
     }
 
-    /// A low pass goes to a step as an exponential does; without a time constant it is the signal itself.
+    /// A low pass follows a step exponentially; without a time constant it is the signal itself.
     #[test]
     fn a_low_pass_is_exact_for_a_step() {
         let (times, values) = ([100.0, 101.0, 104.0], [0.0, 1.0, 1.0]);

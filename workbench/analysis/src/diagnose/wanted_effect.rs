@@ -7,27 +7,27 @@ use super::candidates::Candidate;
 /// The effect whose coefficient is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WantedEffect {
-    /// Which.
+    /// The effect's id.
     pub effect: EffectId,
-    /// Its time constant, seconds; `None`: that of the grid that fits best.
+    /// Its time constant, seconds; `None`: the one of the grid that fits best.
     pub time_constant_s: Option<f32>,
-    /// Where its clock starts; `None`: whichever fits best.
+    /// Start of its clock; `None`: whichever fits best.
     pub since: Option<Clock>,
 }
 
-/// What a study tries of the catalogue.
+/// Which part of the catalogue a study tries.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tried<'a> {
     /// The effect to learn.
     pub wanted: WantedEffect,
-    /// Time constants to try for it, seconds; none: the catalogue's grid.
+    /// Time constants to try for it, seconds; if empty, the catalogue's grid.
     pub time_constants_s: &'a [f32],
-    /// The only other candidates, where a search before has chosen them; `None`: the whole catalogue.
+    /// The only other candidates, if an earlier search has chosen them; `None`: the whole catalogue.
     pub others: Option<&'a [Candidate]>,
 }
 
 impl Tried<'_> {
-    /// Keeps what is to be tried.
+    /// Keeps only the candidates to be tried.
     pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>) {
         if let Some(others) = self.others {
             candidates
@@ -38,9 +38,9 @@ impl Tried<'_> {
 }
 
 impl WantedEffect {
-    /// Keeps only what is wanted of the effect's candidates, with these time constants if there are any.
+    /// Keeps only the wanted ones of the effect's candidates, with these time constants if there are any.
     pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>, time_constants_s: &[f32]) {
-        // The core has an effect in the catalogue's own shape only.
+        // The core supports only the catalogue's own shape of an effect.
         candidates.retain(|candidate| candidate.effect() != self.effect || candidate.is_catalogues());
         if !self.effect.has_time_constant() {
             return;
@@ -56,7 +56,7 @@ impl WantedEffect {
         let mut own: Vec<Candidate> =
             candidates.iter().copied().filter(|candidate| candidate.effect() == self.effect).collect();
         own.dedup_by_key(|candidate| candidate.regressor.since);
-        // In their place: the search expects an effect's columns side by side.
+        // They are inserted in the same place: the search expects an effect's columns side by side.
         let at = candidates.iter().position(|candidate| candidate.effect() == self.effect).unwrap_or(0);
         candidates.retain(|candidate| candidate.effect() != self.effect);
         let with = |candidate: Candidate, time_constant_s| Candidate {
@@ -72,7 +72,7 @@ impl WantedEffect {
 mod tests {
     use super::*;
 
-    /// Candidates of a lag in two shapes, of a drift since two moments by two times, and of a scale.
+    /// Candidates of a lag in two shapes, of a drift with two clocks and two time constants, and of a scale.
     fn candidates() -> Vec<Candidate> {
         let of = |id, time_constant_s, since, smoothing_s| Candidate {
             smoothing_s,
@@ -96,8 +96,8 @@ mod tests {
         candidates.into_iter().map(facts).collect()
     }
 
-    /// Of the effect that is wanted the smoothed shapes go, and those of another clock; of the others nothing
-    /// goes.
+    /// Of the wanted effect, the smoothed shapes and those of another clock are removed; of the other effects
+    /// nothing is removed.
     #[test]
     fn only_what_is_wanted_of_the_effect_is_kept() {
         let lag = narrowed(EffectId::BaroLag, None, &[]);
@@ -108,8 +108,7 @@ mod tests {
         assert_eq!(warm_up.iter().filter(|(effect, ..)| *effect == EffectId::BaroLag).count(), 2);
     }
 
-    /// The times that are given take the place of the grid's, for each clock, side by side where the effect's
-    /// columns were.
+    /// The given times replace the grid's, for each clock, side by side where the effect's columns were.
     #[test]
     fn given_times_take_the_grids_place() {
         let found = narrowed(EffectId::BaroWarmUp, None, &[10.0, 20.0, 30.0]);

@@ -1,31 +1,31 @@
-//! The innovations of a Kalman filter as a whitening of regressions (de Jong, "The diffuse Kalman
-//! filter", Annals of Statistics 19, 1991): the filter of the noise alone is run over the residuals and,
-//! with the same gains, over every regressor. What comes out is uncorrelated, of unit variance, and as
-//! linear in the coefficients as what went in. One pass, linear in the flight's length.
+//! The innovations of a Kalman filter as a whitening of regressions (de Jong, "The diffuse Kalman filter",
+//! Annals of Statistics 19, 1991): the filter of the noise alone runs over the residuals and, with the same
+//! gains, over every regressor. The output is uncorrelated, of unit variance, and as linear in the
+//! coefficients as the input. One pass, linear in the flight's length.
 
 use kf_core::sensor::SENSORS;
 
 use super::noise::Noise;
 use super::series::{BySensor, Series};
 
-/// Where the white noise of a block's fixes is among the states.
+/// Index among the states of the white noise of a block's fixes.
 pub const FIX: usize = 1;
-/// Where the sensors' wanders begin.
+/// Index of the first sensor's wander.
 pub const OWN: usize = 3;
 /// Reference's wander, a block's white noise of the fixes, the slow wander, and each sensor's wander.
 pub const STATES: usize = OWN + SENSORS;
-/// A number a state.
+/// One value per state.
 pub type State = [f64; STATES];
 
-/// Columns that the filter takes together: they are in one another's neighbourhood in memory, and the
-/// processor works on several at once.
+/// Number of columns that the filter processes together: they are adjacent in memory, and the processor works
+/// on several at once.
 pub const LANES: usize = 4;
 /// The filter's means for some columns, by state.
 pub type Means = [[f64; LANES]; STATES];
 
-/// Runs the noise's filter over a flight. `columns` are the residuals first and then whatever is
-/// regressed on; `sink` is given block, sensor and the whitened values of all columns, a row a reading.
-/// Blocks that `used` refuses are passed over as if they had no reading.
+/// Runs the noise's filter over a flight. `columns` are the residuals, followed by the regressors; `sink`
+/// receives block, sensor and the whitened values of all columns, one row per reading. Blocks that `used`
+/// rejects are treated as if they had no reading.
 ///
 /// Returns the sum of the logarithms of the innovations' variances (m^2).
 pub fn whiten(
@@ -40,7 +40,7 @@ pub fn whiten(
     })
 }
 
-/// As [`whiten`], with the columns in groups of [`LANES`]; the last group is filled up with zeros.
+/// As [`whiten`], with the columns in groups of [`LANES`]; the last group is padded with zeros.
 pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
     series: &Series,
     noise: &Noise,
@@ -57,29 +57,29 @@ pub fn whiten_by_groups<S: FnMut(usize, usize, &[[f64; LANES]])>(
     filter(series, noise, columns, used, &mut Rows(sink))
 }
 
-/// A reading that the filter takes.
+/// A reading that the filter processes.
 pub struct Reading<'a> {
     /// Its block.
     pub block: usize,
     /// Its sensor.
     pub sensor: usize,
-    /// The states' covariance with what is read, m^2.
+    /// The states' covariance with the reading, m^2.
     pub gain: &'a State,
-    /// One over the root of the innovation's variance, 1/m.
+    /// Inverse of the root of the innovation's variance, 1/m.
     pub scale: f64,
     /// The innovations of all columns times that scale.
     pub row: &'a [[f64; LANES]],
 }
 
-/// What looks at a pass of the filter.
+/// Observes a pass of the filter.
 pub trait Pass {
-    /// Before a block, the states as they were after the last one, and what carries them to it.
+    /// Called before a block, with the states after the last one and the transition to it.
     fn block(&mut self, _covariance: &[State; STATES], _means: &[Means], _decay: &Decay) {}
-    /// After a reading's innovation, in the filter's order.
+    /// Called after a reading's innovation, in the filter's order.
     fn reading(&mut self, reading: &Reading<'_>);
 }
 
-/// Runs the filter, see [`whiten`].
+/// Runs the filter; see [`whiten`].
 pub fn filter<P: Pass>(
     series: &Series,
     noise: &Noise,
@@ -155,13 +155,13 @@ pub fn filter<P: Pass>(
     log_determinant.value()
 }
 
-/// Times are whole microseconds; so are the differences of their means, as near as makes no difference.
-/// Blocks of one length then have one decay.
+/// Times are whole microseconds, and so are the differences of their means, to a negligible error. Blocks of
+/// equal length then have the same decay.
 fn to_microseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() * 1e-6
 }
 
-/// The sum of logarithms as the logarithm of a product, which is taken as rarely as its range allows.
+/// The sum of logarithms as the logarithm of a product, which is taken as rarely as a double's range allows.
 struct LogarithmOfProduct {
     product: f64,
     sum: f64,
@@ -174,7 +174,7 @@ impl Default for LogarithmOfProduct {
 }
 
 impl LogarithmOfProduct {
-    /// Factors within these bounds leave the product of two within what a double can hold.
+    /// The product of two factors within these bounds still fits a double.
     const WITHIN: std::ops::Range<f64> = 1e-100..1e100;
 
     fn multiply(&mut self, factor: f64) {
@@ -194,16 +194,17 @@ impl LogarithmOfProduct {
     }
 }
 
-/// What is left of the processes after some time, and what is new; the white noise of the fixes starts anew.
+/// The share of the processes that is left after some time, and the variance added; the white noise of the
+/// fixes starts again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decay {
     /// The time, seconds.
     pub elapsed_s: f64,
-    /// Whether the flight is free then.
+    /// Whether the flight is in free flight then.
     pub free: bool,
     /// The share of each state that is left.
     pub keep: State,
-    /// The variance that each one gets, m^2.
+    /// The variance added to each one, m^2.
     added: State,
 }
 
@@ -246,7 +247,7 @@ const fn square(x: f64) -> f64 {
     x * x
 }
 
-/// A small flight of which all can be written down.
+/// A small flight whose covariance can be written down completely.
 #[cfg(test)]
 pub(super) mod small {
     use nalgebra::DMatrix;
@@ -269,7 +270,7 @@ pub(super) mod small {
         }
     }
 
-    /// Uneven times, gaps, a sensor that comes and goes, blocks that are not full.
+    /// Uneven times, gaps, a sensor that is missing at times, partly filled blocks.
     pub fn series() -> Series {
         let mut series = Series { block_s: 1.0, full_block: [10.0; SENSORS], ..Series::default() };
         for k in 0..24_u32 {

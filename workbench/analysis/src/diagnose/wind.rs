@@ -1,4 +1,4 @@
-//! The wind's place where the airspeed is not measured.
+//! Columns for the wind where the airspeed is not measured.
 
 use std::sync::Arc;
 
@@ -9,14 +9,14 @@ use super::problem::Known;
 use super::signals;
 
 /// Sigma of what the wind adds to the barometer per m/s over ground where the airspeed is not measured: a
-/// port that reads a third of the dynamic pressure, in 10 m/s of wind.
+/// port that picks up a third of the dynamic pressure, in 10 m/s of wind.
 const WIND_M_PER_MPS: f64 = 0.3;
 
 /// Where a flight has no airspeed, the two columns that its square lacks.
 ///
-/// With the velocity v over ground and the wind w the airspeed's square is `|v|^2 - 2 v.w + |w|^2`: to the
-/// squared speed over ground that stands in for it belong the two components of v, with a coefficient of each
-/// flight's own. Load factor and angle of attack would have to do for them otherwise.
+/// With the velocity v over ground and the wind w, the airspeed's square is `|v|^2 - 2 v.w + |w|^2`. To the
+/// squared speed over ground, which replaces it, belong the two components of v, with separate coefficients
+/// for each flight. Without them, load factor and angle of attack would represent them.
 pub(super) fn wind(epochs: &mut [Epochs], held: &mut [Epochs]) -> Vec<Known> {
     if !epochs.iter().any(lacks_airspeed) {
         return Vec::new();
@@ -27,7 +27,7 @@ pub(super) fn wind(epochs: &mut [Epochs], held: &mut [Epochs]) -> Vec<Known> {
     columns.map(|column| Known { column, sigma: WIND_M_PER_MPS }).collect()
 }
 
-/// Appends both columns to a flight's; of one that has the airspeed they are zero.
+/// Appends both columns to a flight's; they are zero for a flight with an airspeed.
 pub(super) fn append(epochs: &mut Epochs) {
     let is_needed = lacks_airspeed(epochs);
     for signal in signals::GROUND_VELOCITY {

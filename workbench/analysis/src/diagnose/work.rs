@@ -19,11 +19,11 @@ use super::wanted_effect::{Tried, WantedEffect};
 use crate::progress::{Cancelled, Progress, step};
 use replay::{Usage, barometer};
 
-/// Finds what the model lacks; all replays have the same model. `progress` is called once a fit. What comes
-/// out is the same whatever the executor.
+/// Finds what the model lacks; all replays have the same model. `progress` is called once for each fit. The
+/// result does not depend on the executor.
 ///
 /// # Errors
-/// [`Cancelled`] when `progress` says so.
+/// [`Cancelled`] when `progress` requests it.
 pub fn diagnose(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
@@ -33,7 +33,7 @@ pub fn diagnose(
     Ok(judged(flights, hold_outs, None, progress, executor, |_, _| Ok(()))?.0)
 }
 
-/// A diagnosis, and what it rests on.
+/// A diagnosis, and what it is based on.
 pub(crate) struct Judged<'a, 'b> {
     pub(crate) judge: &'b Judge<'a>,
     pub(crate) prepared: &'b Prepared,
@@ -41,19 +41,19 @@ pub(crate) struct Judged<'a, 'b> {
 }
 
 impl Judged<'_, '_> {
-    /// What the verdicts rest on.
+    /// What the verdicts are based on.
     pub(super) const fn findings(&self) -> &Findings {
         self.findings
     }
 
-    /// The effects that explain the residuals, with the noise beside them.
+    /// The effects that explain the residuals, and the noise fitted with them.
     pub(crate) const fn explanation(&self) -> &Explanation {
         &self.findings.explanation
     }
 }
 
-/// A diagnosis, its work, and what `then` makes of what it rests on (nothing without a flight). `tried`: what
-/// a study tries; `None`: the whole catalogue.
+/// A diagnosis, its work, and the result of `then` from what it is based on (nothing without a flight).
+/// `tried`: what a study tries; `None`: the whole catalogue.
 pub(crate) fn judged<T>(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
@@ -112,8 +112,8 @@ impl Bench<'_> {
     }
 }
 
-/// The work of a diagnosis, kept: what is learned from the same flights under the same model is learned from
-/// it without doing it again, to the same digits.
+/// The kept work of a diagnosis. Learning from the same flights under the same model uses it instead of
+/// repeating it, with identical digits.
 pub struct Work {
     diagnosis: Diagnosis,
     prepared: Prepared,
@@ -123,8 +123,9 @@ pub struct Work {
 }
 
 impl Work {
-    /// Whether a study of this effect, by the catalogue's time constants if it has one, would do this very
-    /// work again: not where it has shapes of its own to try, or where the model had it already.
+    /// Whether a study of this effect, with the catalogue's time constants if it has one, would repeat
+    /// exactly this work. It would not where it has shapes of its own to try, or where the model had the
+    /// effect already.
     pub(super) fn serves(&self, wanted: WantedEffect) -> bool {
         let candidates = &self.prepared.candidates;
         let mut narrowed = candidates.clone();
@@ -135,12 +136,12 @@ impl Work {
         narrowed == *candidates && !self.prepared.known.iter().any(is_known)
     }
 
-    /// What it found.
+    /// The diagnosis that it found.
     pub(super) const fn diagnosis(&self) -> &Diagnosis {
         &self.diagnosis
     }
 
-    /// The candidates that a problem of this work has beside the effect to learn.
+    /// The candidates in a problem of this work besides the effect to learn.
     pub(super) fn others(&self, problem: &LearningProblem) -> Vec<Candidate> {
         let free = problem.terms.iter().skip(1).filter(|term| term.known_sigma.is_none());
         free.filter_map(|term| self.prepared.candidates.get(term.column).copied()).collect()
@@ -155,12 +156,12 @@ impl Work {
         })
     }
 
-    /// The problem of an effect with other time constants: the best of them, beside the candidates that act
-    /// as well, the noise fitted anew from where this work left it. `None` where the flights do not excite
-    /// the effect so.
+    /// The problem of an effect with other time constants: the best of them, together with the other
+    /// candidates that act, the noise fitted again starting from this work's. `None` where the flights do not
+    /// excite the effect.
     ///
     /// # Errors
-    /// [`Cancelled`] when `progress` says so.
+    /// [`Cancelled`] when `progress` requests it.
     pub(super) fn refined(
         &self,
         flights: &[NamedReplay<'_>],
@@ -203,14 +204,14 @@ fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
     }
 }
 
-/// Why the effects on a UAV's inertial altitude are not tried where the flight computer makes that altitude
-/// itself: before the launch it is no measurement beside the reference, and after it its error grows with the
-/// square of the time and more, where every term of the noise that is fitted is stationary.
+/// Why the effects on a UAV's inertial altitude are not tried where the flight computer computes that
+/// altitude itself. Before the launch it is not a measurement independent of the reference. After it, its
+/// error grows with the square of the time and faster, while every term of the fitted noise is stationary.
 const MADE: &str = "the UAV's inertial altitude is made here from its accelerometer and gyro: until the launch it follows the \
     reference, and after it drifts without bound, so that its errors say nothing that the fitted noise could be told from";
 
-/// Effects on sensors that the flights have, whose signals they have not; and those on an altitude that
-/// cannot be judged.
+/// Effects on sensors that the flights have, whose signals they lack, and those on an altitude that cannot be
+/// judged.
 fn untested(candidates: &[Candidate], flights: &[NamedReplay<'_>], epochs: &[Epochs]) -> Vec<Untested> {
     let is_made = flights.iter().any(|named| named.replay.makes_inertial_altitude());
     let mut untested: Vec<Untested> = Vec::new();

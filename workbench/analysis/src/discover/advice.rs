@@ -1,6 +1,5 @@
-//! What to fly to tell a law from those that it is equal to: among the manoeuvres of the diagnosis' advice,
-//! each with the columns that nobody knows held or moved in steps, the one that would bring the laws farthest
-//! apart.
+//! What to fly to distinguish a law from those that it is equal to: among the manoeuvres of the diagnosis'
+//! advice, each with the unknown columns held or moved in steps, the one that would separate the laws most.
 
 use std::sync::Arc;
 
@@ -11,11 +10,11 @@ use super::search::Search;
 use super::signals::Blocks;
 use crate::diagnose::parts::{ADVICE_BLOCK_S, MANOEUVRES, Problem, SignalMeans, Trim, flown};
 
-/// How long a column that is moved stays at each place, seconds.
+/// How long a moved column stays at each place, seconds.
 const STEP_S: f64 = 10.0;
-/// Where it stays in turn, as shares of its range in the flights.
+/// The places in turn, as shares of its range in the flights.
 const PLACES: [f64; 6] = [0.0, 1.0, 0.5, 0.25, 0.75, 0.1];
-/// Sigmas below which a manoeuvre tells nothing apart.
+/// Sigmas below which a manoeuvre distinguishes nothing.
 const APART: f64 = 3.0;
 
 /// What a law is equal to on the flights.
@@ -24,12 +23,12 @@ pub struct Equals<'a> {
     pub effects: &'a [usize],
     /// Laws.
     pub laws: &'a [&'a Fitted],
-    /// What the effects are called, then the laws.
+    /// Names of the effects, then of the laws.
     pub names: &'a [String],
 }
 
-/// What to fly, in words; empty where no manoeuvre would tell the law from any of them. The manoeuvre that
-/// tells it from most of them is taken, and of several the one that brings these farthest apart.
+/// What to fly, in words; empty where no manoeuvre would distinguish the law from any of them. Takes the
+/// manoeuvre that distinguishes it from most of them and, of several, the one that separates these most.
 pub fn to_separate(bench: &Bench<'_>, one: &Fitted, equals: &Equals<'_>, trim: &Trim) -> String {
     if equals.names.is_empty() {
         return String::new();
@@ -83,7 +82,7 @@ fn say(apart: &[f64], least: f64, what: &str, names: &[String]) -> String {
     )
 }
 
-/// The ticks with the body rates that their attitudes make.
+/// The ticks with the body rates that follow from their attitudes.
 fn with_body_rates(mut ticks: Vec<TickInput>) -> Vec<TickInput> {
     let mut last: Option<(u64, [f32; 3])> = None;
     for tick in &mut ticks {
@@ -106,8 +105,8 @@ fn with_body_rates(mut ticks: Vec<TickInput>) -> Vec<TickInput> {
     ticks
 }
 
-/// The ticks' signals at every block of the advice; what no tick has is at its mean of the flights, but for
-/// the one that is moved.
+/// The ticks' signals at every block of the advice. A signal that no tick has is at its mean over the
+/// flights, except the one that is moved.
 fn blocks(ticks: &[TickInput], search: &Search<'_>, moved: Option<usize>) -> Blocks {
     let mut means = SignalMeans::new(0);
     let mut altitude = 0.0_f32;
@@ -136,7 +135,7 @@ fn blocks(ticks: &[TickInput], search: &Search<'_>, moved: Option<usize>) -> Blo
     search.signals.planned(time_s, free, &rows, moved.map(|signal| (signal, steps.as_slice())))
 }
 
-/// Sigmas by which the nearest of the others would be worse than the law, were these blocks flown.
+/// Sigmas by which the nearest of the others would be worse than the law if these blocks were flown.
 fn apart(
     bench: &Bench<'_>,
     one: &Fitted,
@@ -157,7 +156,7 @@ fn apart(
     let information = planned.information(&one.fit.noise, &picks);
     let left = 1.0 / information.solve(&[first])?.covariance.first()?;
     let sigmas = |other: usize| {
-        // One that the manoeuvre does not show at all is told from what it does show.
+        // A law that the manoeuvre does not show at all is distinguished from one that it shows.
         let shared = match information.solve(&[other]) {
             Some(_) => information.shared(first, other, &[]).unwrap_or(1.0),
             None => 0.0,
@@ -186,9 +185,9 @@ mod tests {
         tick
     }
 
-    /// What a gyro reads while the heading turns at 0.2 rad/s: level about the vertical axis alone, banked
-    /// about pitch and yaw, nose up about roll and yaw; a roll and a pitch rate by themselves about their own
-    /// axes.
+    /// What a gyro reads while the heading turns at 0.2 rad/s: level, about the vertical axis only; banked,
+    /// about pitch and yaw; nose up, about roll and yaw. A roll and a pitch rate by themselves are about
+    /// their own axes.
     #[test]
     fn body_rates_are_those_of_the_attitude() {
         let rates = |from: [f32; 3], rate: [f32; 3]| {
@@ -205,7 +204,7 @@ mod tests {
         ];
         for (attitude, rate, wanted) in cases {
             let found = rates(attitude, rate);
-            // Differences of single precision over a tenth of a second.
+            // Differences in single precision over a tenth of a second.
             assert!(
                 found.iter().zip(wanted).all(|(one, other)| (one - other).abs() < 1e-5),
                 "{found:?} {wanted:?}"
@@ -213,8 +212,8 @@ mod tests {
         }
     }
 
-    /// The blocks of a manoeuvre are those of the advice, from its first tick on, captive until its launch;
-    /// what moves is at its places.
+    /// The blocks of a manoeuvre are those of the advice, from its first tick, captive until its launch; the
+    /// moved column is at its places.
     #[test]
     fn a_manoeuvres_blocks_are_the_advices() {
         let recorded: Vec<Vec<f64>> = (0..30)
@@ -244,7 +243,7 @@ mod tests {
         assert!(throttle[captive + 2..].iter().any(|value| (value - throttle[0]).abs() > 0.1));
     }
 
-    /// What is told apart is named, and what is not.
+    /// The advice names the laws that it distinguishes, and those that it does not.
     #[test]
     fn the_advice_names_what_it_tells_apart() {
         let names = ["a".to_owned(), "b".to_owned()];

@@ -1,11 +1,11 @@
-//! A law made an effect definition of a model.
+//! Turns a law into an effect definition of a model.
 
 use thiserror::Error;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
 use super::discovery::FoundLaw;
 
-/// How far beyond what was found nature is taken to keep the coefficient, either way.
+/// Factor by which the physical range exceeds the coefficient that was found, either way.
 const PLAUSIBLE: f64 = 3.0;
 
 /// Why a model's text cannot take a definition.
@@ -14,17 +14,17 @@ pub enum DefinitionError {
     /// It is not TOML.
     #[error("{0}")]
     Syntax(#[source] toml_edit::TomlError),
-    /// The id is there already.
+    /// The id exists already.
     #[error("{0} is defined in it already; choose another id")]
     Taken(String),
-    /// The definitions are no tables.
+    /// The definitions are not tables.
     #[error(
         "effect_definition is not an [[effect_definition]] table; write each one as a table below such a line"
     )]
     NotTables,
 }
 
-/// An id for a law: what it acts on, and the signals in it.
+/// An id for a law: what it acts on, and its signals.
 #[must_use]
 pub fn id(law: &FoundLaw, signals: &[String]) -> String {
     let is_in = |signal: &&String| {
@@ -39,10 +39,10 @@ pub fn id(law: &FoundLaw, signals: &[String]) -> String {
     format!("{on}.{}", used.join("_by_").to_ascii_lowercase())
 }
 
-/// An effect by formula, as an `[[effect_definition]]` says it.
+/// An effect by formula, as an `[[effect_definition]]` contains it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewDefinition<'a> {
-    /// Its id: two words with a dot between.
+    /// Its id: two words separated by a dot.
     pub id: &'a str,
     /// What it acts on: a sensor, `gps`, or `every sensor`.
     pub on: &'a str,
@@ -52,19 +52,19 @@ pub struct NewDefinition<'a> {
     pub unit: &'a str,
     /// The largest plausible coefficient, either way.
     pub largest: f64,
-    /// What it is, in words; empty: nothing is said.
+    /// A description; empty if there is none.
     pub about: &'a str,
 }
 
-/// The range of a coefficient that was found: how far either way nature is taken to keep it. Two digits are
-/// enough for a range.
+/// The range of a coefficient that was found: the largest one taken to be physical, either way. Two digits
+/// are enough for a range.
 #[must_use]
 pub fn largest_plausible(coefficient: f64) -> f64 {
     let largest = PLAUSIBLE * coefficient.abs();
     format!("{largest:.1e}").parse().unwrap_or(largest)
 }
 
-/// The text with a law as an effect definition at its end, everything else in it as it was.
+/// The text with a law appended as an effect definition, otherwise unchanged.
 ///
 /// # Errors
 /// See [`DefinitionError`].
@@ -81,7 +81,7 @@ pub fn with_definition(text: &str, id: &str, law: &FoundLaw) -> Result<String, D
     with_new_definition(text, &new)
 }
 
-/// The text with an effect definition at its end, everything else in it as it was.
+/// The text with an effect definition appended, otherwise unchanged.
 ///
 /// # Errors
 /// See [`DefinitionError`].
@@ -108,7 +108,8 @@ pub fn with_new_definition(text: &str, new: &NewDefinition<'_>) -> Result<String
     definitions.push(table);
     let mut added = DocumentMut::new();
     added.insert("effect_definition", Item::ArrayOfTables(definitions));
-    // Behind the text rather than into its document: a comment at the text's end stays where it is.
+    // Appended to the text rather than inserted into its document, so that a comment at the end stays in
+    // place.
     let gap = match text {
         "" => "",
         text if text.ends_with('\n') => "\n",

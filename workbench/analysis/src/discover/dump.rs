@@ -1,4 +1,4 @@
-//! What a search for laws works on, as a table: for other programs to try their own methods on.
+//! The input of a search for laws as a table, for other programs to try their own methods on.
 
 use std::io::{self, Write};
 
@@ -9,11 +9,11 @@ use crate::diagnose::parts::epochs;
 use kf_core::sensor::Sensor;
 
 /// Writes a flight's block means as CSV: a row for every block in which the barometer was read, with the
-/// columns `time_s`, `free` (0/1), `residual_m` (the barometer's) and then the signals that laws are made of,
-/// in SI units; the heading is `sin_yaw` and `cos_yaw`.
+/// columns `time_s`, `free` (0/1), `residual_m` (the barometer's) and then the signals that laws use, in SI
+/// units; the heading is `sin_yaw` and `cos_yaw`.
 ///
 /// # Errors
-/// When it can't be written.
+/// When the output cannot be written.
 pub fn dump(replay: &Replay<'_>, out: &mut dyn Write) -> io::Result<()> {
     let epochs = epochs(replay, &[], &executor::Inline);
     let series = &epochs.series;

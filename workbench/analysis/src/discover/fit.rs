@@ -1,4 +1,4 @@
-//! Laws with the noise fitted anew beside them: the likelihood of the diagnosis.
+//! Laws with the noise fitted again for each: the likelihood of the diagnosis.
 
 use std::sync::Arc;
 
@@ -14,9 +14,9 @@ use crate::diagnose::parts::{
     Trim, flights, inflation, manoeuvres, of_flights, of_folds,
 };
 
-/// Correlation (of the columns themselves) beyond which two laws are the same: all but 0.2 % of the squares
-/// of one are the other's. A formula's shape is not right to that, so the likelihood does not choose between
-/// them, and the shortest stands for all.
+/// Correlation (of the columns themselves) above which two laws are the same: they share all but 0.2 % of
+/// their squares. A formula's shape is not accurate to that, so the likelihood does not choose between them,
+/// and the shortest represents all.
 const SAME: f64 = 0.999;
 
 /// A law with its noise.
@@ -26,11 +26,11 @@ pub struct Fitted {
     pub law: Law,
     /// What it acts on.
     pub subject: Subject,
-    /// Effects of the catalogue beside it.
+    /// Effects of the catalogue that are estimated with it.
     pub beside: Vec<usize>,
     /// The noise.
     pub fit: NoiseFit,
-    /// What it weighs.
+    /// Its weight.
     pub weight: Weight,
     /// Its column in the learning flights.
     pub column: Column,
@@ -38,14 +38,14 @@ pub struct Fitted {
     pub coefficient: f64,
     /// One sigma of it.
     pub sigma: f64,
-    /// By how much the coefficient's variance is larger than the fit's.
+    /// Factor by which the coefficient's variance exceeds that of the fit.
     pub inflation: f64,
     /// Spread of the column in free flight, metres per unit of the coefficient.
     pub spread: f64,
 }
 
 impl Fitted {
-    /// Twice the logarithm of its odds against none.
+    /// Twice the logarithm of its odds against no law.
     pub fn merit(&self) -> f64 {
         self.weight.twice_log_odds()
     }
@@ -59,22 +59,22 @@ pub struct Bench<'a> {
     pub held: Option<&'a Problem<'a>>,
     /// Candidates and columns.
     pub prepared: &'a Prepared,
-    /// What is known of the candidates.
+    /// What is known about the candidates.
     pub suspects: &'a Suspects<'a>,
     /// The signals.
     pub search: &'a Search<'a>,
     /// What the catalogue explains.
     pub explanation: &'a Explanation,
-    /// Where the aircraft flies.
+    /// The aircraft's trim in flight.
     pub trim: Trim,
 }
 
-/// What was held out, without a law and with it.
+/// Held-out errors, without a law and with it.
 #[derive(Clone, Copy, Debug)]
 pub struct OnHeldOut {
     /// Root mean square of the errors without it, m.
     pub rms_before_m: Option<f64>,
-    /// With it, m.
+    /// The same with the law, m.
     pub rms_after_m: Option<f64>,
     /// The stretches of the learning flights, each with the coefficient of the others.
     pub stretches: HeldOutVerdict,
@@ -83,8 +83,8 @@ pub struct OnHeldOut {
 }
 
 impl Bench<'_> {
-    /// The effects that stand beside a law on a subject: all that were found, and those on other subjects
-    /// only. What was chosen on this one may be no more than the nearest likeness of the law.
+    /// The effects that can be estimated with a law on a subject: all that were found, or only those on other
+    /// subjects. The one chosen on this subject may only be the most similar to the law.
     pub fn variants(&self, subject: Subject) -> Vec<Vec<usize>> {
         let all = self.explanation.columns.clone();
         let is_other =
@@ -96,7 +96,7 @@ impl Bench<'_> {
         if others == all { vec![all] } else { vec![all, others] }
     }
 
-    /// Flights with more columns, which come after all others.
+    /// The flights with these columns added after all others.
     pub fn with_columns(&self, series: &[Series], columns: &[(Subject, &Column)]) -> Vec<Series> {
         let mut more = series.to_vec();
         for (flight, series) in more.iter_mut().enumerate() {
@@ -109,13 +109,13 @@ impl Bench<'_> {
         more
     }
 
-    /// The same problem of other flights.
+    /// The same problem with other flights.
     pub fn problem_of<'b>(&'b self, series: &'b [Series]) -> Problem<'b> {
         Problem::new(series, self.problem.prior.clone(), self.problem.known.clone(), self.search.executor)
     }
 
-    /// The first of some laws, the best first, that are not the same as another; of the same ones the
-    /// shortest.
+    /// The first of some laws, the best first, without those that are the same as another; of the same ones
+    /// the shortest is kept.
     pub fn different(&self, laws: &[Scored], most: usize) -> Vec<Scored> {
         let bits = |law: &Law| law.bits(self.search.signals.signals.len(), self.search.subjects);
         let mut kept: Vec<(Scored, Vec<f64>)> = Vec::new();
@@ -138,7 +138,7 @@ impl Bench<'_> {
         kept.into_iter().map(|(scored, _)| scored).collect()
     }
 
-    /// As [`Self::different`], with the best two of every number of parts whatever the others are.
+    /// As [`Self::different`], but always with the best two of every number of parts.
     pub fn different_by_parts(&self, laws: &[Scored], most: usize) -> Vec<Scored> {
         let mut chosen = self.different(laws, most);
         for parts in 1..=MOST_PARTS {
@@ -151,7 +151,7 @@ impl Bench<'_> {
         chosen
     }
 
-    /// Fits the noise beside a law, from near there.
+    /// Fits the noise with a law, starting near the given one.
     pub fn fit(&self, law: &Law, subject: Subject, beside: &[usize], near: &NoiseFit) -> Option<Fitted> {
         let column = self.search.column(law, 0..self.search.flights)?;
         let series = self.with_columns(self.problem.flights, &[(subject, &column)]);
@@ -177,14 +177,14 @@ impl Bench<'_> {
         Some(Fitted { law, subject, beside, fit, weight, column, coefficient, sigma, inflation, spread })
     }
 
-    /// Where a law's column stands that was added to the flights.
+    /// Index of the column of a law that was added to the flights.
     pub fn law_column(&self) -> usize {
         self.problem.flights.first().map_or(0, |flight| flight.columns.len())
     }
 
-    /// What the law gains with its coefficient, in twice the log likelihood, where nothing of the catalogue
-    /// stands beside it on its own subject. Two columns that take each other off can be the likeness of a
-    /// third: such a law makes every flight worse for who takes it alone.
+    /// What the law gains with its coefficient, in twice the log likelihood, where no effect of the catalogue
+    /// is estimated with it on its own subject. Two columns that cancel each other can look like a third:
+    /// such a law makes every flight worse if it is used alone.
     pub fn gain_alone(&self, fitted: &Fitted) -> f64 {
         let others = self.variants(fitted.subject).pop().unwrap_or_default();
         if others == fitted.beside {
@@ -198,9 +198,9 @@ impl Bench<'_> {
         fitted.coefficient * (2.0 * evidence.score - fitted.coefficient * evidence.information)
     }
 
-    /// Whether the errors of free flight about captive flight become smaller by the law with its coefficient,
-    /// where nothing else is taken off: squares in metres, as whoever adds the law sees them. The likelihood
-    /// takes what is slow for wander, and is blind to what a law does there.
+    /// Whether the law with its coefficient reduces the errors of free flight about captive flight when
+    /// nothing else is subtracted: squares in metres, as a user who adds the law sees them. The likelihood
+    /// treats slow errors as wander, and does not notice what a law does there.
     pub fn lessens_errors(&self, fitted: &Fitted) -> bool {
         let mut change_m2 = 0.0;
         for (series, column) in self.problem.flights.iter().zip(&fitted.column) {
@@ -215,7 +215,7 @@ impl Bench<'_> {
         change_m2 < 0.0
     }
 
-    /// What was held out, without a law and with it.
+    /// Held-out errors, without a law and with it.
     pub fn held_out(&self, fitted: &Fitted) -> OnHeldOut {
         let column = self.law_column();
         let series = self.with_columns(self.problem.flights, &[(fitted.subject, &fitted.column)]);
@@ -253,7 +253,7 @@ impl Bench<'_> {
     }
 }
 
-/// All values of a column about their mean, of unit length.
+/// All values of a column less their mean, with unit length.
 fn centred(column: &Column) -> Vec<f64> {
     let mut values: Vec<f64> = column.iter().flatten().copied().collect();
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
@@ -272,8 +272,8 @@ fn spread(flights: &[Series], column: &Column) -> f64 {
     (squares / blocks.max(1) as f64).sqrt()
 }
 
-/// Squares of what is finite in free flight about its captive mean, or its own where there is none, summed
-/// over the blocks.
+/// Squares of the finite values in free flight about their captive mean, or their own where there is none,
+/// summed over the blocks.
 fn free_squares(series: &Series, values: impl Iterator<Item = f64>) -> f64 {
     let there: Vec<(bool, f64)> =
         series.free.iter().copied().zip(values).filter(|(_, value)| value.is_finite()).collect();
@@ -288,7 +288,7 @@ mod tests {
     use super::*;
     use crate::discover::small_flights::flight;
 
-    /// A column about its mean and of unit length: the product of two is their correlation.
+    /// A column without its mean and of unit length: the product of two is their correlation.
     #[test]
     fn a_centred_column_has_no_mean_and_unit_length() {
         let found = centred(&vec![vec![1.0, 2.0], vec![6.0]]);
@@ -299,7 +299,7 @@ mod tests {
     }
 
     /// Squares of free flight are taken about captive flight's mean, or their own where nothing is captive;
-    /// what is missing counts nowhere. The spread is the root of their mean over all flights.
+    /// missing values are not counted. The spread is the root of their mean over all flights.
     #[test]
     fn a_spread_is_about_captive_flight() {
         // Two blocks captive, four free.

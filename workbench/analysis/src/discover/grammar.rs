@@ -1,56 +1,56 @@
-//! The laws that are searched, and how long each takes to say.
+//! The laws that are searched, and the length of each.
 //!
 //! A law is a product of at most three factors and at most one term. A factor is a power of a signal, or of
 //! its rate, integral, lag, low pass or deviation from its captive mean; the term is a threshold or a
-//! periodic function of a signal. What a law takes to say is the number of bits of the code below; the prior
-//! of a law is two to the power of minus that, so that a law that is longer by a bit must explain twice as
-//! much. Every choice among n equals costs log2 n bits:
+//! periodic function of a signal. The length of a law is the number of bits of the code below. Its prior is
+//! two to the power of minus that, so a law that is longer by a bit must explain twice as much. Every choice
+//! among n equal options costs log2 n bits:
 //!
 //! - what it acts on: among the sensors that are searched;
 //! - a bit before each factor and after the last, and a bit for whether there is a term. Two orders of the
 //!   same factors are one law, which gives log2 2! or log2 3! bits back;
-//! - a factor: which signal; a bit where it is the signal itself, else two bits more to name one of the four
-//!   groups (deviation, rate, integral, memory) and, for the memory, which of the delays and low passes of
-//!   the grid; a bit where its power is 1, else two bits more;
+//! - a factor: which signal; a bit if it is the signal itself, else two bits more for one of the four groups
+//!   (deviation, rate, integral, memory) and, for the memory, which of the delays and low passes of the grid;
+//!   a bit if its power is 1, else two bits more;
 //! - a term: its kind, its signal, its constant among those of the grid;
 //! - a constant that was moved off its grid: two bits for the quarter of its cell that it ended in.
 //!
-//! The codes are prefix-free, so that the priors of all laws add up to one at most (Kraft's inequality;
-//! Rissanen, "Modeling by shortest data description", Automatica 14, 1978).
+//! The codes are prefix-free, so the priors of all laws add up to at most one (Kraft's inequality; Rissanen,
+//! "Modeling by shortest data description", Automatica 14, 1978).
 
 use std::fmt::Write as _;
 
-/// Time constants of the low passes that are tried first, seconds: a factor of three apart, as the
-/// catalogue's.
+/// Time constants of the low passes that are tried first, seconds: a factor of three apart, as in the
+/// catalogue.
 pub const LOW_PASSES_S: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
 /// Delays that are tried first, seconds.
 pub const DELAYS_S: [f64; 2] = [1.0, 3.0];
-/// Thresholds that are tried first: so many quantiles of the signal in free flight, and so many even steps of
-/// its range.
+/// Thresholds that are tried first: this many quantiles of the signal in free flight, and as many even steps
+/// of its range.
 pub const QUANTILES: usize = 9;
 /// Phases of a periodic term that are tried first, over half a turn.
 pub const PHASES: usize = 4;
-/// Most factors of a law.
+/// Maximum number of factors of a law.
 pub const MOST_FACTORS: usize = 3;
-/// Most factors and terms of a law.
+/// Maximum number of factors and terms of a law.
 pub const MOST_PARTS: usize = 3;
 /// Bits of a constant that was moved off its grid.
 pub const OFF_GRID_BITS: f64 = 2.0;
 
-/// What is done with a signal.
+/// The operation on a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Operator {
     /// The signal itself.
     Itself,
     /// Its deviation from its mean in captive flight.
     Deviation,
-    /// Its change a second.
+    /// Its change per second.
     Rate,
-    /// Its integral from launch on.
+    /// Its integral from launch.
     Integral,
-    /// A first-order low pass with that time constant, seconds.
+    /// A first-order low pass with this time constant, seconds.
     LowPass(f64),
-    /// The signal so many seconds ago.
+    /// The signal this many seconds ago.
     Delay(f64),
 }
 
@@ -63,9 +63,9 @@ pub enum Power {
     Two,
     /// Its third power.
     Three,
-    /// The number without its sign, for those that have both signs; else the square root.
+    /// The magnitude, for signals that have both signs; else the square root.
     MagnitudeOrRoot,
-    /// Its inverse, for those that stay away from zero.
+    /// The inverse, for signals that stay away from zero.
     Inverse,
 }
 
@@ -74,12 +74,12 @@ impl Power {
     pub const ALL: [Self; 5] = [Self::One, Self::Two, Self::Three, Self::MagnitudeOrRoot, Self::Inverse];
 }
 
-/// A power of a signal or of what was made of it.
+/// A power of a signal, or of the result of an operation on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Factor {
-    /// Its place among the signals.
+    /// Index of the signal.
     pub signal: usize,
-    /// What is done with it.
+    /// The operation on it.
     pub operator: Operator,
     /// The power.
     pub power: Power,
@@ -87,7 +87,7 @@ pub struct Factor {
     pub is_signed: bool,
 }
 
-/// What a term does.
+/// The function that a term applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TermKind {
     /// One above the constant, else zero.
@@ -96,9 +96,9 @@ pub enum TermKind {
     Beyond,
     /// The excess over the constant, else zero.
     Excess,
-    /// What it lacks to the constant, else zero.
+    /// The shortfall below the constant, else zero.
     Lack,
-    /// The signal, but the constant where it is above.
+    /// The signal, limited to the constant.
     Capped,
     /// The excess of its magnitude over the constant, else zero.
     ExcessEitherWay,
@@ -109,16 +109,16 @@ pub enum TermKind {
 }
 
 impl TermKind {
-    /// Kinds among which a term chooses.
+    /// Number of kinds that a term chooses from.
     pub const COUNT: usize = 8;
 }
 
 /// A threshold or a periodic function of a signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Term {
-    /// Its place among the signals.
+    /// Index of the signal.
     pub signal: usize,
-    /// What it does.
+    /// Its kind.
     pub kind: TermKind,
     /// The threshold, in the signal's unit, or the phase, rad.
     pub constant: f64,
@@ -131,21 +131,21 @@ pub struct Law {
     pub factors: Vec<Factor>,
     /// Its term.
     pub term: Option<Term>,
-    /// Constants that were moved off their grid.
+    /// Number of constants that were moved off their grid.
     pub off_grid: usize,
 }
 
-/// A signal as formulas name it.
+/// A signal's name in formulas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Name {
     /// Its name in a formula.
     pub name: String,
-    /// Its unit there, as a formula's numbers take it; `1` for a plain number.
+    /// Its unit in a formula; `1` for a plain number.
     pub unit: String,
 }
 
 impl Factor {
-    /// Bits to say it.
+    /// Length in bits.
     #[must_use]
     pub fn bits(&self, signals: usize) -> f64 {
         let memories = (LOW_PASSES_S.len() + DELAYS_S.len()) as f64;
@@ -181,7 +181,7 @@ impl Factor {
 }
 
 impl Term {
-    /// Bits to say it.
+    /// Length in bits.
     #[must_use]
     pub fn bits(&self, signals: usize) -> f64 {
         let constants = match self.kind {
@@ -216,7 +216,7 @@ impl Term {
 }
 
 impl Law {
-    /// Bits to say it, of so many signals on one of so many sensors.
+    /// Length in bits, with this many signals on one of this many sensors.
     #[must_use]
     pub fn bits(&self, signals: usize, subjects: usize) -> f64 {
         let n = self.factors.len();
@@ -229,13 +229,13 @@ impl Law {
             + OFF_GRID_BITS * self.off_grid as f64
     }
 
-    /// Its factors and its term.
+    /// Number of factors and terms.
     #[must_use]
     pub fn parts(&self) -> usize {
         self.factors.len() + usize::from(self.term.is_some())
     }
 
-    /// Whether a signal is in it.
+    /// Whether it uses a signal.
     #[must_use]
     pub fn uses(&self, signal: usize) -> bool {
         self.factors.iter().any(|factor| factor.signal == signal)
@@ -262,7 +262,7 @@ impl Law {
     }
 }
 
-/// A constant with the digits that it is known to: three.
+/// A constant with the digits to which it is known: three.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".to_owned();
@@ -324,7 +324,7 @@ mod tests {
         laws
     }
 
-    /// Every law of the grammar is a formula, with a unit that makes metres of it.
+    /// Every law of the grammar is a formula, with a unit that gives metres.
     #[test]
     fn every_law_is_a_formula_whose_dimensions_agree() {
         for law in laws() {
@@ -360,12 +360,12 @@ mod tests {
             assert!(bits(longer) > bits(&plain), "{longer:?}");
         }
         assert!((bits(&moved) - bits(&with_term) - OFF_GRID_BITS).abs() < 1e-12);
-        // Two orders of a product are one law.
+        // Two orders of a product are the same law.
         let factors: f64 = product.factors.iter().map(|factor| factor.bits(16)).sum();
         assert!((bits(&product) - (1.0 + 4.0 - 1.0 + factors)).abs() < 1e-12);
     }
 
-    /// The priors of all laws of up to two factors add up to one at most: no law is more probable than its
+    /// The priors of all laws of up to two factors add up to at most one: no law is more probable than its
     /// length allows.
     #[test]
     fn the_priors_add_up_to_one_at_most() {

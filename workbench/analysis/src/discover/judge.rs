@@ -15,12 +15,12 @@ use crate::diagnose::parts::{BETTER, SHAPE, SHAPE_WITHOUT_CLIMB_RATE};
 use crate::name::Name;
 use crate::progress::{Cancelled, Progress, step};
 
-/// Laws that are looked at closely, the most probable first.
+/// Number of laws that are examined closely, the most probable first.
 const LOOKED_AT: usize = 24;
-/// A law with less than these odds against the best is not looked at: twice the logarithm of a thousand.
+/// A law with lower odds against the best than this is not examined: twice the logarithm of a thousand.
 const HOPELESS: f64 = 14.0;
 
-/// Puts the laws of those fitted that stand into a discovery.
+/// Adds the fitted laws that pass all tests to a discovery.
 pub fn judge(
     bench: &Bench<'_>,
     mut fitted: Vec<Fitted>,
@@ -29,8 +29,8 @@ pub fn judge(
 ) -> Result<(), Cancelled> {
     fitted.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
     let Some(best) = fitted.first() else { return Ok(()) };
-    // What stands without a law may have ended in a worse maximum of its likelihood: start where the best law
-    // is.
+    // The fit without a law may have ended in a worse maximum of its likelihood: start from the best law's
+    // noise.
     let columns = &bench.explanation.columns;
     let again = bench.problem.fit_noise(&bench.problem.prior, columns, &best.fit.values);
     step(progress)?;
@@ -41,7 +41,7 @@ pub fn judge(
     fitted.sort_by(|a, b| b.merit().total_cmp(&a.merit()));
     let names = bench.search.signals.names();
     let most = fitted.first().map_or(0.0, Fitted::merit);
-    // The best of each number of parts stays: the front has simple laws with less evidence as well.
+    // The best of each number of parts is kept: the front has simple laws with less evidence as well.
     let mut parts_seen = [false; MOST_PARTS + 1];
     fitted.retain(|one| {
         let is_first = !std::mem::replace(&mut parts_seen[one.law.parts().min(MOST_PARTS)], true);
@@ -86,7 +86,7 @@ pub fn judge(
         let held = bench.held_out(&one);
         step(progress)?;
         let is_harmful = |verdict: &crate::diagnose::HeldOutVerdict| verdict.is_worse || verdict.gain <= 0.0;
-        // A law has no physics that speaks for it: what it was not learned from must.
+        // No physics supports a law: data that it was not learned from must.
         if is_harmful(&held.stretches) || held.flights.as_ref().is_some_and(is_harmful) {
             reject(&one, Why::HeldOut, None);
             continue;
@@ -107,8 +107,8 @@ pub fn judge(
     let front = front(&weights);
     let correlations = correlations(bench, &standing);
     step(progress)?;
-    // One of those that are equal says what all of them say; then the best of fewer parts; where room is
-    // left, the equal ones follow.
+    // One of the equal laws represents all of them. Then follows the best one of fewer parts, and where room
+    // is left, the equal ones.
     let parts = |k: usize| standing[k].0.law.parts();
     let mut chosen: Vec<usize> = Vec::new();
     for (simpler, with_equals) in [(false, false), (true, true), (false, true)] {
@@ -170,7 +170,7 @@ pub fn judge(
     Ok(())
 }
 
-/// The unit that makes metres of a law, by the formulas' own rules; none where it is no formula.
+/// The unit that makes a law metres, by the formulas' own rules; `None` where it is not a formula.
 fn coefficient_unit(regressor: &str) -> Option<String> {
     let formula = Formula::compile(regressor, &mut Columns::default()).ok()?;
     Some(formula.coefficient_unit().to_string())
@@ -183,18 +183,18 @@ fn on(subject: Subject) -> Name {
     }
 }
 
-/// What of the catalogue a law is no better than.
+/// The part of the catalogue that a law is no better than.
 enum Alike {
     /// An effect that would explain as much.
     Effect(usize),
-    /// What the formulas of the effects found may miss.
+    /// A possible error of the formulas of the effects found.
     Shape,
     /// Nothing.
     None,
 }
 
-/// Whether an effect of the catalogue in a law's place explains as much, or the law is what the formulas of
-/// the effects found may miss.
+/// Whether an effect of the catalogue in a law's place explains as much, or the law may be an error of the
+/// formulas of the effects found.
 fn catalogue(bench: &Bench<'_>, one: &Fitted) -> Alike {
     let law = bench.law_column();
     let series = bench.with_columns(bench.problem.flights, &[(one.subject, &one.column)]);
@@ -239,7 +239,7 @@ fn catalogue(bench: &Bench<'_>, one: &Fitted) -> Alike {
     Alike::None
 }
 
-/// Effects of the catalogue that a law cannot be told from, and the column of each.
+/// Effects of the catalogue that cannot be distinguished from a law, and the column of each.
 fn effects_alike(bench: &Bench<'_>, one: &Fitted) -> (Vec<Equal>, Vec<usize>) {
     let series = bench.with_columns(bench.problem.flights, &[(one.subject, &one.column)]);
     let problem = bench.problem_of(&series);

@@ -1,28 +1,28 @@
-//! How many parts a law may have: cross-validation with the choice of the law included.
+//! How many parts a law may have: cross-validation that includes the choice of the law.
 //!
-//! A law that is in nobody's grammar leaves a shape that longer and longer products fit, and beside a large
-//! misfit the bits of a part are nothing. What a part is worth shows on what it was not chosen by: each of
-//! ten stretches of free flight is left out, the law chosen and its coefficient fitted by the rest, for every
-//! greatest number of parts, and the gain in twice the log likelihood taken on the stretch (Stone,
-//! "Cross-validatory choice and assessment of statistical predictions", Journal of the Royal Statistical
-//! Society B 36, 1974). The number that gains most is taken, the smaller of equal ones. The rule that prefers
-//! a simpler one within a standard error (Breiman and others, 1984) is not used: what a law does is often in
-//! a few stretches, whose gains differ by more than what the right law is better by.
+//! A law that the grammar lacks leaves a shape that longer and longer products fit, and compared with a large
+//! misfit the bits of a part are negligible. The value of a part shows on data that it was not chosen by.
+//! Each of ten stretches of free flight is left out, the law is chosen and its coefficient fitted by the
+//! rest, for every maximum number of parts, and the gain in twice the log likelihood is taken on the stretch
+//! (Stone, "Cross-validatory choice and assessment of statistical predictions", Journal of the Royal
+//! Statistical Society B 36, 1974). The number that gains most is taken, the smaller of equal ones. The rule
+//! that prefers a simpler one within a standard error (Breiman and others, 1984) is not used: a law often
+//! acts in a few stretches, whose gains differ by more than the margin of the right law.
 
 use super::screen::{ByStretch, STRETCHES};
 
-/// A law when its length is chosen.
+/// A law as used for choosing the length.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen<'a> {
-    /// Factors and terms.
+    /// Number of factors and terms.
     pub parts: usize,
-    /// What its length costs in twice the log likelihood.
+    /// The cost of its length in twice the log likelihood.
     pub price: f64,
-    /// What the flights say of it.
+    /// Its evidence by stretch.
     pub stretches: &'a ByStretch,
 }
 
-/// The greatest number of parts that pays; at least one.
+/// The largest number of parts that pays; at least one.
 #[must_use]
 pub fn parts_that_pay(laws: &[Chosen<'_>], most: usize) -> usize {
     let gains: Vec<[f64; STRETCHES]> = (1..=most).map(|parts| held_out(laws, parts)).collect();
@@ -31,7 +31,7 @@ pub fn parts_that_pay(laws: &[Chosen<'_>], most: usize) -> usize {
     1 + best.unwrap_or(0)
 }
 
-/// What each stretch gains by the law of at most so many parts that the others choose.
+/// What each stretch gains by the law with at most this many parts that the others choose.
 fn held_out(laws: &[Chosen<'_>], parts: usize) -> [f64; STRETCHES] {
     std::array::from_fn(|left_out| {
         let mut best = (0.0, 0.0);
@@ -39,7 +39,7 @@ fn held_out(laws: &[Chosen<'_>], parts: usize) -> [f64; STRETCHES] {
             let of = |k: usize| -> f64 { law.stretches.iter().map(|stretch| stretch[k]).sum() };
             let [own_score, own_information] = law.stretches[left_out];
             let (score, information) = (of(0) - own_score, of(1) - own_information);
-            // What only the stretch left out shows cannot be learned from the others.
+            // A law that only the left-out stretch shows cannot be learned from the others.
             if information <= 1e-9 * of(1) {
                 continue;
             }
@@ -57,7 +57,7 @@ fn held_out(laws: &[Chosen<'_>], parts: usize) -> [f64; STRETCHES] {
 mod tests {
     use super::*;
 
-    /// Stretches with so much information each in which the coefficient is one, or what the second list says.
+    /// Stretches with this much information each, in which the coefficient is given by `truth`.
     fn stretches(information: f64, truth: [f64; STRETCHES]) -> ByStretch {
         let mut all = [[0.0; 2]; STRETCHES + 1];
         for (stretch, truth) in all.iter_mut().zip(truth) {
@@ -66,12 +66,12 @@ mod tests {
         all
     }
 
-    /// Nine of ten stretches speak for each of ten long laws, each time another nine: whoever chooses by all
-    /// ten thinks well of them.
+    /// Nine of ten stretches support each of ten long laws, each time a different nine: a choice by all ten
+    /// overrates them.
     #[test]
     fn a_part_must_pay_where_it_was_not_chosen() {
         let simple = stretches(40.0, [1.0; STRETCHES]);
-        // Twice the information of the same: each stretch gains by it.
+        // Twice the information of the same: each stretch gains.
         let right = stretches(80.0, [1.0; STRETCHES]);
         let lucky: Vec<ByStretch> = (0..STRETCHES)
             .map(|bad| stretches(40.0, std::array::from_fn(|k| if k == bad { -0.5 } else { 1.5 })))
@@ -81,22 +81,22 @@ mod tests {
         let mut laws = vec![law(1, &simple)];
         laws.extend(lucky.iter().map(|stretches| law(3, stretches)));
         assert_eq!(parts_that_pay(&laws, 3), 1);
-        // Of equal ones the shorter.
+        // Of equal ones the shorter is chosen.
         assert_eq!(parts_that_pay(&[law(1, &simple), law(3, &simple)], 3), 1);
         assert_eq!(parts_that_pay(&[law(2, &right)], 3), 2);
         assert_eq!(parts_that_pay(&[], 3), 1);
     }
 
-    /// What only the stretch left out shows has no say in what it is predicted by: its own information is a
-    /// million million times that of the others.
+    /// A law that only the left-out stretch shows has no influence on its prediction: the stretch's own
+    /// information is a million million times that of the others.
     #[test]
     fn what_one_stretch_alone_shows_predicts_nothing_in_it() {
         let mut alone = [[0.1, 1e-6]; STRETCHES + 1];
         alone[3] = [1e6, 1e6];
         let law = Chosen { parts: 1, price: 1.0, stretches: &alone };
         assert_eq!(held_out(&[law], 1)[3], 0.0);
-        // What the others show alike predicts it: twice the score less the information, by a coefficient of
-        // one.
+        // A law that the others show alike predicts it: twice the score less the information, by a
+        // coefficient of one.
         let alike = stretches(40.0, [1.0; STRETCHES]);
         let law = Chosen { parts: 1, price: 1.0, stretches: &alike };
         assert!(held_out(&[law], 1).iter().all(|gain| (gain - 40.0).abs() < 1e-9));

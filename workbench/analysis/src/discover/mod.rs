@@ -1,13 +1,13 @@
-//! Laws that nobody wrote down: where nothing in the catalogue explains a misfit, which product of the
+//! Laws that are in no catalogue: where nothing in the catalogue explains a misfit, which product of the
 //! recorded signals does.
 //!
-//! 1. The diagnosis comes first: what it identifies, and what the model has already, stands beside every law.
-//! 2. `signals` are the block means of all that was recorded; `grammar` says which laws there are and how
-//!    long each is.
-//! 3. `screen` scores hundreds of thousands of them under a noise that is held; `search` keeps the best,
-//!    moves their constants, and fits the noise anew for the few that are left, by the likelihood of the
-//!    diagnosis.
-//! 4. `weigh` makes posterior probabilities of likelihoods and lengths; what was held out has a veto.
+//! 1. The diagnosis comes first: what it identifies, and what the model already has, is estimated together
+//!    with every law.
+//! 2. `signals` are the block means of all that was recorded; `grammar` defines the laws and the length of
+//!    each.
+//! 3. `screen` scores hundreds of thousands of them under a fixed noise; `search` keeps the best, moves their
+//!    constants, and fits the noise again for the few that are left, by the likelihood of the diagnosis.
+//! 4. `weigh` computes posterior probabilities from likelihoods and lengths; the held-out data has a veto.
 
 mod advice;
 mod definition;

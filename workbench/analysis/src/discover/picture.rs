@@ -1,16 +1,16 @@
-//! What a law looks like on the flights: measured against law, and what is left against each of its signals.
+//! A law's picture on the flights: measured against law, and the remainder against each of its signals.
 
 use super::fit::{Bench, Fitted};
 use super::screen::Subject;
 use crate::diagnose::parts::own_coefficients;
 
-/// A law and what was measured, in the blocks of the learning flights.
+/// A law and the measured values, in the blocks of the learning flights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
-    /// What the law makes of its sensor, metres.
+    /// What the law contributes to its sensor, metres.
     pub law_m: Vec<f64>,
-    /// What is measured of it: the residual less biases and all effects beside the law, metres. The wander is
-    /// in it.
+    /// What is measured of it, metres: the residual less biases and all other effects. It includes the
+    /// wander.
     pub measured_m: Vec<f64>,
     /// The signals of the law.
     pub signals: Vec<PictureSignal>,
@@ -21,20 +21,20 @@ pub struct Picture {
 pub struct PictureSignal {
     /// Its name in the formula.
     pub name: String,
-    /// Its unit there.
+    /// Its unit in the formula.
     pub unit: String,
     /// Its block means; for a heading, between -pi and pi.
     pub values: Vec<f64>,
 }
 
 impl Picture {
-    /// What the law leaves, metres.
+    /// The remainder that the law leaves, metres.
     #[must_use]
     pub fn rest_m(&self) -> Vec<f64> {
         self.measured_m.iter().zip(&self.law_m).map(|(measured, law)| measured - law).collect()
     }
 
-    /// Of a law; nothing where its coefficients can't be solved for.
+    /// The picture of a law; empty where its coefficients cannot be solved for.
     pub(super) fn of(bench: &Bench<'_>, one: &Fitted) -> Self {
         let series = bench.with_columns(bench.problem.flights, &[(one.subject, &one.column)]);
         let problem = bench.problem_of(&series);
@@ -94,7 +94,7 @@ impl Picture {
 mod tests {
     use super::*;
 
-    /// What a law leaves is what was measured less what it makes.
+    /// The remainder of a law is the measured value less the law's.
     #[test]
     fn the_rest_is_what_the_law_does_not_make() {
         let picture =

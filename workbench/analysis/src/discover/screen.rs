@@ -1,5 +1,5 @@
-//! Many columns scored at once, the noise held: what each would gain in twice the log likelihood, alone
-//! beside what is known.
+//! Scores many columns at once under a fixed noise: what each would gain in twice the log likelihood, alone
+//! with what is known.
 
 use executor::Executor;
 use kf_core::sensor::SENSORS;
@@ -7,17 +7,17 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::diagnose::parts::{BySensor, LANES, Noise, Problem, whiten_by_groups};
 
-/// Columns that are whitened in one pass.
+/// Number of columns that are whitened in one pass.
 const CHUNK: usize = 64;
-/// A column whose projection keeps less than this share of its square is what is known already.
+/// A column whose projection keeps less than this share of its square is already known.
 const COLLINEAR: f64 = 1e-6;
 
-/// Which residuals a law acts on, with what sign.
+/// Which residuals a law acts on, and with what sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// One sensor.
     Sensor(usize),
-    /// The reference, and so with the other sign all sensors.
+    /// The reference, and so, with the opposite sign, all sensors.
     Reference,
 }
 
@@ -35,40 +35,41 @@ impl Subject {
 /// The score of one column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// What it gains in twice the log likelihood.
+    /// Its gain in twice the log likelihood.
     pub gain: f64,
-    /// Its information: the inverse of the variance that its coefficient would have.
+    /// Its information: the inverse of the variance of its coefficient.
     pub information: f64,
 }
 
 /// Column of one candidate by flight and block.
 pub type Column = Vec<Vec<f64>>;
 
-/// Stretches of free flight that are left out in turn when a law's length is chosen. Ten is what
-/// cross-validation is usually done with: with fewer the laws of the rest differ too much from those of all
-/// (Hastie, Tibshirani and Friedman, "The Elements of Statistical Learning", 2009, 7.10).
+/// Number of stretches of free flight that are left out in turn when a law's length is chosen. Ten is usual
+/// in cross-validation: with fewer, the laws of the rest differ too much from those of all (Hastie,
+/// Tibshirani and Friedman, "The Elements of Statistical Learning", 2009, 7.10).
 pub const STRETCHES: usize = 10;
 
 /// Score and information of one column by stretch of free flight; captive flight comes last.
 pub type ByStretch = [[f64; 2]; STRETCHES + 1];
 
-/// What is known and whitened already: the residuals, biases, and the effects beside.
+/// What is known and already whitened: the residuals, biases, and the effects estimated with a law.
 pub struct Screen<'a> {
     problem: &'a Problem<'a>,
     noise: Noise,
     picks: Vec<usize>,
     subject: Subject,
-    /// Of each flight: its own columns that are there, the factor of their products, and these with residual
-    /// and picks.
+    /// For each flight: its own columns that have readings, the factor of their products, and their products
+    /// with residual and picks.
     flights: Vec<Own>,
-    /// Factor of the picks' products, and these with the residual.
+    /// Factor of the picks' products, and their products with the residual.
     common: Option<(Cholesky<f64, Dyn>, DVector<f64>)>,
 }
 
 struct Own {
     present: Vec<usize>,
     factor: Option<Cholesky<f64, Dyn>>,
-    /// The own columns' products with the residual and the picks, the inner products' inverse applied.
+    /// The own columns' products with the residual and the picks, multiplied by the inverse of their own
+    /// products.
     solved: DMatrix<f64>,
 }
 
@@ -120,10 +121,11 @@ impl StretchProducts {
     }
 }
 
-/// What is said of each of a chunk of columns.
+/// Judges each column of a chunk.
 type Judge<'a, T> = dyn Fn(&[Option<Column>]) -> Vec<Option<T>> + Sync + 'a;
 
-/// What `judge` says of columns that `column` makes, in order; the executor has a chunk of them at a time.
+/// Results of `judge` for the columns that `column` makes, in order; the executor processes one chunk at a
+/// time.
 fn by_chunks<T: Clone + Send>(
     columns: usize,
     column: &(dyn Fn(usize) -> Option<Column> + Sync),
@@ -141,7 +143,7 @@ fn by_chunks<T: Clone + Send>(
 }
 
 impl<'a> Screen<'a> {
-    /// Beside the effects of `picks`, under a noise, for laws on a subject.
+    /// With the effects of `picks`, under a noise, for laws on a subject.
     #[must_use]
     pub fn new(problem: &'a Problem<'a>, noise: Noise, picks: &[usize], subject: Subject) -> Self {
         let own = problem.own();
@@ -166,7 +168,7 @@ impl<'a> Screen<'a> {
         Self { problem, noise, picks: picks.to_vec(), subject, flights, common }
     }
 
-    /// The scores of columns that `column` makes, in order; nothing where it makes none.
+    /// The scores of columns that `column` makes, in order; `None` where it makes none.
     pub fn scores(
         &self,
         columns: usize,
@@ -176,8 +178,8 @@ impl<'a> Screen<'a> {
         by_chunks(columns, column, executor, &|made| self.chunk(made))
     }
 
-    /// The scores by stretch of columns that `column` makes, in order; what is known beside is taken off by
-    /// all blocks.
+    /// The scores by stretch of columns that `column` makes, in order; what is known is subtracted using all
+    /// blocks.
     pub fn by_stretch(
         &self,
         columns: usize,
@@ -190,7 +192,7 @@ impl<'a> Screen<'a> {
     fn stretches_of(&self, made: &[Option<Column>]) -> Vec<Option<ByStretch>> {
         let n = self.picks.len();
         let residual_by_picks = self.common.as_ref().map(|(factor, residual)| factor.solve(residual));
-        // The products of all blocks first: what is known beside is common to all stretches.
+        // The products of all blocks first: what is known is common to all stretches.
         let parts: Vec<Vec<StretchProducts>> = self
             .problem
             .flights
@@ -297,7 +299,8 @@ impl<'a> Screen<'a> {
 
     fn chunk(&self, made: &[Option<Column>]) -> Vec<Option<Score>> {
         let n = self.picks.len();
-        // Of each candidate over all flights: its square, its product with the residual and with the picks.
+        // For each candidate over all flights: its square, its product with the residual and those with the
+        // picks.
         let mut sums = vec![DVector::<f64>::zeros(n + 2); made.len()];
         let mut raw = vec![0.0; made.len()];
         for (at, (flight, own)) in self.problem.flights.iter().zip(&self.flights).enumerate() {
@@ -367,7 +370,7 @@ mod tests {
     use super::*;
     use crate::discover::small_flights::{BARO, WHITE, WHITE_M, flight, noise, problem};
 
-    /// What is left of a column beside others.
+    /// The remainder of a column after a fit of others.
     fn rest(target: &[f64], columns: &[Vec<f64>]) -> DVector<f64> {
         let target = DVector::from_column_slice(target);
         let matrix = DMatrix::from_fn(target.len(), columns.len(), |row, column| columns[column][row]);
@@ -375,8 +378,8 @@ mod tests {
         target - matrix * solved
     }
 
-    /// Least squares of some columns: what is left of the residual's square, and the last column's own square
-    /// beside the others.
+    /// Least squares of some columns: the remaining square of the residual, and the last column's own square
+    /// after the others are projected out.
     fn least_squares(residual: &[f64], columns: &[Vec<f64>]) -> (f64, f64) {
         let rest = |target: &[f64], columns: &[Vec<f64>]| rest(target, columns).norm_squared();
         let (last, others) = columns.split_last().unwrap();
@@ -411,9 +414,9 @@ mod tests {
         [0, 1].map(|k| stretches.iter().map(|stretch| stretch[k]).sum())
     }
 
-    /// Under white noise a column gains what it lessens the sum of squares by, beside a bias in each flight
-    /// and the effects that are known, over the noise's variance; its information is what is left of its own
-    /// square. The stretches add up to both. A column that is a known one and a bias says nothing new.
+    /// Under white noise a column gains the reduction of the sum of squares, with a bias in each flight and
+    /// the known effects included, over the noise's variance; its information is what is left of its own
+    /// square. The stretches add up to both. A column that is a known one plus a bias adds nothing new.
     #[test]
     fn a_score_is_what_a_column_takes_off_the_squares() {
         let (flights, columns) = flights();
@@ -447,13 +450,13 @@ mod tests {
                 let (gain, information) = least_squares(&residual, &all);
                 let score = scores[k].unwrap();
                 let variance = WHITE_M * WHITE_M;
-                // Rounding of some hundred products.
+                // Rounding of a few hundred products.
                 assert!((score.gain * variance / gain - 1.0).abs() < 1e-6, "{k} {score:?} {gain}");
                 assert!((score.information * variance / information - 1.0).abs() < 1e-6, "{k} {score:?}");
                 let [product, whole] = sum(by_stretch[k].as_ref().unwrap());
                 assert!((product * product / whole / score.gain - 1.0).abs() < 1e-6, "{k} {product}");
                 assert!((whole / score.information - 1.0).abs() < 1e-6, "{k} {whole}");
-                // In a stretch it is the products of what is left of both there.
+                // In a stretch it is the products of the remainders of both there.
                 let (law, others) = all.split_last().unwrap();
                 let (left, own) = (rest(&residual, others), rest(law, others));
                 let is_in = |at: usize, stretch: usize| {
@@ -474,8 +477,8 @@ mod tests {
         }
     }
 
-    /// Free flight is ten stretches of equal length, captive flight the last: a column that alternates in one
-    /// tenth, which no bias explains, has its information there alone.
+    /// Free flight is ten stretches of equal length, captive flight is the last: a column that alternates in
+    /// one tenth, which no bias explains, has its information there alone.
     #[test]
     fn a_stretch_is_a_tenth_of_free_flight() {
         let mut random = noise(9);
@@ -499,8 +502,8 @@ mod tests {
         }
     }
 
-    /// A law on the reference is in all sensors' residuals with the other sign; one on a sensor in that
-    /// one's.
+    /// A law on the reference is in all sensors' residuals with the opposite sign; one on a sensor only in
+    /// that one's.
     #[test]
     fn a_subject_says_where_a_law_acts() {
         assert_eq!(Subject::Reference.spread(2.0), [-2.0; SENSORS]);

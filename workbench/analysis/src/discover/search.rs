@@ -1,5 +1,5 @@
-//! Looks for laws: every single factor and term, products of the best with every other, and the constants of
-//! the best moved.
+//! Searches for laws: every single factor and term, products of the best with every other, and the best with
+//! their constants moved.
 
 use executor::Executor;
 
@@ -11,15 +11,15 @@ use super::screen::{Column, Score, Screen};
 use super::signals::Signals;
 use crate::progress::{Cancelled, Progress, step};
 
-/// Single factors that products are made of, besides the signals themselves.
+/// Number of single factors used for products, besides the signals themselves.
 const BEAM: usize = 24;
-/// Products of two that are made three of.
+/// Number of products of two that are extended to three.
 const SECOND_BEAM: usize = 24;
-/// Laws of each number of parts whose constants are moved.
+/// Number of laws, for each number of parts, whose constants are moved.
 const MOVED: usize = 12;
-/// Laws of each number of parts among which the stretches left out choose.
+/// Number of laws, for each number of parts, from which the left-out stretches choose.
 const POOL: usize = 150;
-/// Two ln 2: what a bit costs in twice the log likelihood.
+/// Two ln 2: the cost of a bit in twice the log likelihood.
 pub const BIT: f64 = 2.0 * std::f64::consts::LN_2;
 
 /// A law with its score.
@@ -27,32 +27,32 @@ pub const BIT: f64 = 2.0 * std::f64::consts::LN_2;
 pub struct Scored {
     /// The law.
     pub law: Law,
-    /// Its score under the noise that was held.
+    /// Its score under the fixed noise.
     pub score: Score,
-    /// Its gain less what its length costs.
+    /// Its gain less the cost of its length.
     pub merit: f64,
 }
 
-/// What a search found.
+/// The result of a search.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The best laws, the best first.
     pub laws: Vec<Scored>,
-    /// The greatest number of parts that pays.
+    /// The largest number of parts that pays.
     pub parts: usize,
-    /// Laws that were scored.
+    /// Number of laws that were scored.
     pub scored: u64,
 }
 
-/// What is looked through.
+/// What is searched.
 pub struct Search<'a> {
     /// The signals.
     pub signals: &'a Signals,
-    /// Flights that are learned from: the first so many of the signals' flights.
+    /// Number of flights that are learned from: the first of the signals' flights.
     pub flights: usize,
-    /// Sensors that a law may act on.
+    /// Number of sensors that a law may act on.
     pub subjects: usize,
-    /// Who does the work.
+    /// Runs the work.
     pub executor: &'a dyn Executor,
 }
 
@@ -63,17 +63,17 @@ struct Made<T> {
 }
 
 impl Search<'_> {
-    /// A law's column in the learning flights, or of the flights after them.
+    /// A law's column in the learning flights, or in the flights after them.
     #[must_use]
     pub fn column(&self, law: &Law, flights: std::ops::Range<usize>) -> Option<Column> {
         let blocks = self.signals.flights.get(flights)?;
         blocks.iter().map(|blocks| blocks.law(law)).collect()
     }
 
-    /// The best laws under a screen's noise, the best first, at most `most`, of no more parts than pay.
+    /// The best laws under a screen's noise, the best first, at most `most`, with no more parts than pay.
     ///
     /// # Errors
-    /// [`Cancelled`] when `progress` says so.
+    /// [`Cancelled`] when `progress` requests it.
     pub fn run(
         &self,
         screen: &Screen<'_>,
@@ -91,8 +91,8 @@ impl Search<'_> {
         });
         step(progress)?;
 
-        // A product may show where neither of its factors does: every signal itself is multiplied with
-        // everything, and the best with all.
+        // A product may show an effect where neither of its factors does: every signal itself is multiplied
+        // by everything, and the best by all.
         let mut base: Vec<usize> = (0..factors.len())
             .filter(|k| {
                 let factor = factors[*k].what;
@@ -116,7 +116,7 @@ impl Search<'_> {
             let (first, second) = (base[k / width], k % width);
             let left = &factors[first];
             match factors.get(second) {
-                // Once in either order, and no power of the same thing twice.
+                // Each pair in one order only, and no power of the same operation twice.
                 Some(right)
                     if (base.contains(&second) && second <= first)
                         || (right.what.signal == left.what.signal
@@ -138,7 +138,7 @@ impl Search<'_> {
             }
         });
         step(progress)?;
-        // Only the best of the products go on: those with other factors among the first.
+        // Only the best of the products are extended, with factors that they do not contain yet.
         let best: Vec<(Law, Column)> = pairs
             .iter()
             .take(SECOND_BEAM)
@@ -181,7 +181,7 @@ impl Search<'_> {
         Ok(Found { laws: kept, parts, scored: (width + (base.len() + best.len()) * width) as u64 })
     }
 
-    /// The greatest number of parts that pays among some laws, by stretches that are left out in turn.
+    /// The largest number of parts that pays among some laws, by stretches that are left out in turn.
     fn parts_that_pay(&self, screen: &Screen<'_>, laws: &[Scored]) -> usize {
         let column = |k: usize| laws.get(k).and_then(|one| self.column(&one.law, 0..self.flights));
         let stretches = screen.by_stretch(laws.len(), &column, self.executor);
@@ -200,7 +200,7 @@ impl Search<'_> {
         parts_that_pay(&chosen, MOST_PARTS)
     }
 
-    /// The best place of each law's constants about where they are, by halves of their cells.
+    /// The best values of each law's constants around the present ones, by halves of their cells.
     fn moved(&self, screen: &Screen<'_>, laws: &[Scored]) -> Vec<Scored> {
         let mut all = Vec::new();
         for scored in laws {
@@ -218,7 +218,7 @@ impl Search<'_> {
         found
     }
 
-    /// Scores laws, the best first; those that say nothing new are left out.
+    /// Scores laws, the best first; those that add nothing new are left out.
     fn score(
         &self,
         screen: &Screen<'_>,
@@ -229,7 +229,7 @@ impl Search<'_> {
         let n = self.signals.signals.len();
         let mut found: Vec<Scored> = Vec::new();
         for (k, score) in scores.into_iter().enumerate() {
-            // What can't pay for its length is not kept: it would be most of them.
+            // Laws that cannot pay for their length are not kept: they would be most of them.
             let Some(score) = score.filter(|score| score.gain > 2.0) else { continue };
             let law = law(k).0;
             let merit = score.gain - BIT * law.bits(n, self.subjects);
@@ -347,7 +347,7 @@ fn neighbours(law: &Law, signals: &Signals) -> Vec<Law> {
     moved
 }
 
-/// The best laws of each number of parts, so many of each, the best first.
+/// The best laws of each number of parts, at most `most` of each, the best first.
 fn best_by_parts(mut laws: Vec<Scored>, most: usize) -> Vec<Scored> {
     sort(&mut laws);
     let mut counts = [0; MOST_PARTS + 1];
@@ -380,10 +380,10 @@ mod tests {
     use crate::discover::small_flights::{BARO, WHITE, flight, noise, problem};
 
     const BLOCKS: usize = 240;
-    /// How many signals of the blocks the workbench knows.
+    /// Number of the blocks' signals that the workbench knows.
     const KNOWN: usize = 21;
 
-    /// A flight's signals: an airspeed, a throttle and flaps that move each in its own time.
+    /// A flight's signals: an airspeed, a throttle and flaps, each with its own period.
     fn recorded() -> Vec<Vec<f64>> {
         (0..BLOCKS)
             .map(|k| {
@@ -401,12 +401,12 @@ mod tests {
         (0..KNOWN).map(|k| format!("known{k}")).chain(["flap".to_owned()]).collect()
     }
 
-    /// What a search finds where an error of the barometer, by airspeed, throttle and flaps, acts beside a
-    /// bias and noise.
+    /// The result of a search where an error of the barometer, a function of airspeed, throttle and flaps,
+    /// acts in addition to a bias and noise.
     fn found(error_m: impl Fn(f64, f64, f64) -> f64) -> (Found, Vec<Name>) {
         let (blocks, mut random) = (recorded(), noise(3));
         let error = |block: &Vec<f64>| 7.0 + error_m(block[0], block[10], block[KNOWN]);
-        // Uniform noise of 0.5 m either way has a sigma of 0.29 m.
+        // Uniform noise of +-0.5 m has a sigma of 0.29 m.
         let errors: Vec<f64> = blocks.iter().map(|block| error(block) + 0.5 * random()).collect();
         let flights = [flight(&errors, &[])];
         let problem: Problem<'_> = problem(&flights);
@@ -420,8 +420,8 @@ mod tests {
         found.0.laws[0].law.formula(&found.1)
     }
 
-    /// The law that acts is the best one, of as many parts as it has: a square, a product of two signals, a
-    /// signal above a threshold.
+    /// The law that acts is the best one, with the number of parts that it has: a square, a product of two
+    /// signals, a signal above a threshold.
     #[test]
     fn the_law_that_acts_is_found() {
         let square = found(|airspeed, _, _| 0.005 * airspeed * airspeed);
@@ -431,7 +431,7 @@ mod tests {
         let names = &product.0.laws[0].law.factors;
         assert_eq!((names.len(), product.0.laws[0].law.parts()), (2, 2), "{}", best(&product));
         assert!(names.iter().all(|factor| factor.power == Power::One && factor.operator == Operator::Itself));
-        // A product of flaps and airspeed's square, whose sign changes: neither alone explains it.
+        // A product of flaps and the square of the airspeed, whose sign changes: neither alone explains it.
         let signed = found(|airspeed, _, flap| 0.005 * airspeed * airspeed * flap);
         let law = &signed.0.laws[0].law;
         assert!(law.parts() == 2 && law.uses(2) && law.uses(0), "{}", best(&signed));
@@ -440,8 +440,8 @@ mod tests {
         assert!(laws.iter().all(|scored| scored.law.parts() <= square.0.parts));
     }
 
-    /// The merit is the gain less two ln 2 for each bit; and white noise has nothing that pays for a law's
-    /// length.
+    /// The merit is the gain less two ln 2 for each bit; and white noise contains nothing that pays for a
+    /// law's length.
     #[test]
     fn a_law_pays_for_its_bits() {
         let square = found(|airspeed, _, _| 0.005 * airspeed * airspeed).0;
@@ -466,8 +466,8 @@ mod tests {
         Signals { signals, ..Signals::default() }
     }
 
-    /// Every factor that can be made of a signal: ten operators by five powers, less the inverse of what
-    /// comes near zero or was shifted, and the root of what has both signs is its magnitude.
+    /// Every factor that can be made of a signal: ten operators by five powers, without the inverse where the
+    /// result comes near zero or was shifted; for a signal with both signs the magnitude replaces the root.
     #[test]
     fn every_factor_is_every_operator_and_power_that_can_be() {
         let count = |is_signed, is_away, quantiles: &[f64]| {
@@ -486,7 +486,7 @@ mod tests {
         let operators = 4 + LOW_PASSES_S.len() + DELAYS_S.len();
         assert_eq!(count(true, true, &[-1.0, 1.0]), 5 * operators - 3);
         assert_eq!(count(false, false, &[0.0, 1.0]), 4 * operators);
-        // Of one that is below zero there is neither root nor, but for what shifts it, magnitude.
+        // A signal below zero has neither a root nor, except where an operator shifts it, a magnitude.
         assert_eq!(count(false, false, &[-2.0, -1.0]), 3 * operators + 3);
         let heading = search_of(vec![signal(true, false, true, [Vec::new(), Vec::new()])]);
         let search = Search { signals: &heading, flights: 1, subjects: 1, executor: &Inline };
@@ -494,7 +494,7 @@ mod tests {
     }
 
     /// Every term: four kinds at each quantile, two more at each quantile of the magnitude where there are
-    /// both signs, and of a heading the phases over half a turn and over a quarter.
+    /// both signs, and for a heading the phases over half a turn and over a quarter.
     #[test]
     fn every_term_is_every_kind_at_every_quantile() {
         let quantiles = || [vec![-1.0, 0.5, 2.0], vec![1.0, 1.5]];
@@ -507,8 +507,8 @@ mod tests {
         assert!(heading[..4].iter().all(|term| term.kind == TermKind::Cosine));
     }
 
-    /// A constant moves by quarters of its cell either way, a time by factors that part the grid's steps of
-    /// three; each such law says that it is off the grid.
+    /// A constant moves by quarters of its cell either way, a time by factors that divide the grid's steps of
+    /// three; each such law is marked as off the grid.
     #[test]
     fn neighbours_are_quarters_of_a_cell_away() {
         let signals = search_of(vec![signal(true, false, false, [vec![0.0, 3.0, 8.0], vec![1.0, 17.0]])]);
@@ -543,7 +543,7 @@ mod tests {
         assert_eq!(times[4..], wanted.map(|share| Operator::Delay(2.0 * share)));
     }
 
-    /// Of each number of parts so many stay, the best first.
+    /// For each number of parts this many laws are kept, the best first.
     #[test]
     fn the_best_of_every_number_of_parts_stay() {
         let factor = Factor { signal: 0, operator: Operator::Itself, power: Power::One, is_signed: true };

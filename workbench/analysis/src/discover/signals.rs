@@ -1,5 +1,5 @@
-//! The signals of flights as laws take them: block means in SI units, and what factors and terms make of
-//! these.
+//! The signals of flights in the form that laws use: block means in SI units, and the factors and terms made
+//! of them.
 
 use model::formula::Column;
 
@@ -17,31 +17,31 @@ pub struct Blocks {
     heading: Option<[Vec<f64>; 2]>,
 }
 
-/// What a signal is.
+/// A signal's properties.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
     /// Its name and unit.
     pub name: Name,
     /// Whether it has both signs in these flights.
     pub is_signed: bool,
-    /// Whether its values stay away from zero: their least is more than a twentieth of their largest.
+    /// Whether its values stay away from zero: its smallest is more than a twentieth of its largest.
     pub is_away: bool,
-    /// Whether only its sine and cosine are there.
+    /// Whether only its sine and cosine are recorded.
     pub is_heading: bool,
     /// Its quantiles in free flight, and those of its magnitude.
     pub quantiles: [Vec<f64>; 2],
     /// Its mean in the learning flights.
     pub mean: f64,
-    /// Its least and its largest there.
+    /// Its smallest and largest value in the learning flights.
     pub range: [f64; 2],
     /// Whether it is a column that the workbench does not know.
     pub is_unknown: bool,
-    /// Where it stands among the signals of the blocks, and what is added to them.
+    /// Its index among the signals of the blocks, and an offset added to them.
     source: Option<(usize, f64)>,
 }
 
-/// Where each signal of formulas stands among the signals of the blocks, its unit there, and what is added to
-/// the block's value. The altitude is not among them: it is the path, whose error the residual has too.
+/// Index of each formula signal among the signals of the blocks, its unit in a formula, and an offset added
+/// to the block's value. The altitude is not included: it is the path, whose error the residual has too.
 const KNOWN: [(usize, &str, &str, f64); 18] = [
     (0, "tas_mps", "m/s", 0.0),
     (1, "climb_rate_mps", "m/s", 0.0),
@@ -62,19 +62,19 @@ const KNOWN: [(usize, &str, &str, f64); 18] = [
     (19, "gps_vn_mps", "m/s", 0.0),
     (20, "gps_ve_mps", "m/s", 0.0),
 ];
-/// Where the heading's sine and cosine stand.
+/// Indices of the heading's sine and cosine.
 const HEADING: [usize; 2] = [6, 7];
-/// How many signals of the blocks are known; the unknown columns come after them.
+/// Number of known signals of the blocks; the unknown columns come after them.
 const KNOWN_SIGNALS: usize = 21;
-/// A signal that lacks more than this share of its values is not there.
+/// A signal that lacks more than this share of its values is treated as absent.
 const MOST_MISSING: f64 = 0.1;
-/// The least share of its largest that a signal stays away from zero by.
+/// The smallest share of its largest value by which a signal stays away from zero.
 const AWAY: f64 = 0.05;
 
 /// What is searched: the signals, and every flight's blocks of them.
 #[derive(Clone, Debug, Default)]
 pub struct Signals {
-    /// What each is.
+    /// The properties of each signal.
     pub signals: Vec<Signal>,
     /// By flight.
     pub flights: Vec<Blocks>,
@@ -84,18 +84,19 @@ pub struct Signals {
     pub without_unit: Vec<String>,
 }
 
-/// A column of the flight before it is a signal.
+/// A column of the flight before it becomes a signal.
 struct Source {
     at: usize,
     name: Name,
-    /// What is added to a known one's block means.
+    /// Offset added to a known one's block means.
     offset: Option<f64>,
-    /// A cell in SI units.
+    /// Converts a cell to SI units.
     si: Box<dyn Fn(f64) -> f64>,
 }
 
 impl Signals {
-    /// Those that all flights have and that move in any of them. `signals` are the block means by flight,
+    /// The signals that all flights have and that move in any of them. `signals` are the block means by
+    /// flight, block and signal.
     /// block and signal.
     #[must_use]
     pub fn new(
@@ -197,8 +198,8 @@ impl Signals {
         found
     }
 
-    /// Blocks that were not flown, of block means of the known signals: what these lack is at its mean of the
-    /// flights, but for one that moves over its range, its places given as shares of it.
+    /// Blocks that were not flown, from block means of the known signals. A missing signal is at its mean
+    /// over the flights, except one that moves over its range, with its places given as shares of the range.
     #[must_use]
     pub fn planned(
         &self,
@@ -233,7 +234,7 @@ impl Signals {
 }
 
 impl Blocks {
-    /// A law's block means; `None` where it has a value that is no number.
+    /// A law's block means; `None` where a value is not finite.
     #[must_use]
     pub fn law(&self, law: &Law) -> Option<Vec<f64>> {
         let mut product: Option<Vec<f64>> = None;
@@ -260,7 +261,7 @@ impl Blocks {
         }
     }
 
-    /// A factor's block means; `None` where it has a value that is no number.
+    /// A factor's block means; `None` where a value is not finite.
     #[must_use]
     pub fn factor(&self, factor: &Factor) -> Option<Vec<f64>> {
         let values = self.values.get(factor.signal)?;
@@ -374,7 +375,7 @@ impl Blocks {
     }
 }
 
-/// Before its first value a signal has that; between, its last.
+/// Fills gaps: before its first value a signal has that value; later, its last.
 fn filled(mut values: Vec<f64>) -> Vec<f64> {
     let mut last = values.iter().copied().find(|value| value.is_finite()).unwrap_or(0.0);
     for value in &mut values {
@@ -386,8 +387,8 @@ fn filled(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// The inner quantiles, a tenth apart, and as many places at even steps over the range: a signal that rests
-/// most of the time has its quantiles where it rests. Those that differ.
+/// The inner quantiles, a tenth apart, and as many values at even steps over the range: a signal that rests
+/// most of the time has its quantiles where it rests. Equal values are removed.
 fn quantiles(mut values: Vec<f64>) -> Vec<f64> {
     use super::grammar::QUANTILES;
     values.sort_by(f64::total_cmp);

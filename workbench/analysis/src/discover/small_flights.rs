@@ -1,5 +1,5 @@
-//! Small flights for the tests of the search: one sensor, a block a second, white noise that is known, and
-//! columns that were chosen.
+//! Small flights for the tests of the search: one sensor, a block a second, known white noise, and chosen
+//! columns.
 
 use std::sync::Arc;
 
@@ -10,12 +10,12 @@ use model::Model;
 use crate::diagnose::parts::{BySensor, Noise, NoisePrior, Problem, Series};
 use crate::diagnose::{GaussMarkov, SensorNoise};
 
-/// Where the barometer stands among the sensors.
+/// Index of the barometer among the sensors.
 pub(super) const BARO: usize = Sensor::Baro as usize;
 /// White noise of a block, metres.
 pub(super) const WHITE_M: f64 = 0.3;
 
-/// White noise and nothing else: generalised least squares are ordinary ones over its variance.
+/// White noise only: generalised least squares are ordinary ones over its variance.
 pub(super) const WHITE: Noise = {
     const NOTHING: GaussMarkov = GaussMarkov { sigma_m: 0.0, time_s: 20.0 };
     let sensor = SensorNoise {
@@ -27,7 +27,7 @@ pub(super) const WHITE: Noise = {
     Noise { reference: NOTHING, slow: NOTHING, fix_sigma_m: 0.0, sensors: [sensor; SENSORS] }
 };
 
-/// A repeating sequence of numbers between -1 and 1 that follows nothing: a generator of Numerical Recipes.
+/// Pseudo-random numbers between -1 and 1: a generator of Numerical Recipes.
 pub(super) fn noise(seed: u32) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {

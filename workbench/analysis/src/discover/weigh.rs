@@ -2,45 +2,46 @@
 
 use super::search::BIT;
 
-/// What a law must gain in twice the log likelihood beyond its length before it is as probable as none: as an
-/// effect of the catalogue must beyond its number. 16 is a chance of 1 in 10,000, which leaves room for noise
-/// that is not quite what the likelihood takes it for.
+/// Gain in twice the log likelihood, beyond its length, at which a law is as probable as none: the same that
+/// an effect of the catalogue needs beyond the number of candidates. 16 is a chance of 1 in 10,000, which
+/// leaves room for noise that is not quite what the likelihood assumes.
 pub const EVIDENCE: f64 = 16.0;
-/// Sigma of what is believed of a law's size before a flight, rms, metres: the misfits that anyone is after.
+/// Prior sigma of a law's size before a flight, rms, metres: the size of misfits of interest.
 pub const SIZE_M: f64 = 10.0;
-/// Laws are proposed where together they are so probable.
+/// Laws are proposed where their probabilities add up to this.
 pub const PROPOSED: f64 = 0.95;
-/// A law with so much less evidence than a simpler one is not on the front: twice the logarithm of odds of 20.
+/// A law whose evidence is less than a simpler one's by this is not on the front: twice the logarithm of odds
+/// of 20.
 pub const DOMINATED: f64 = 6.0;
-/// Correlation (of whitened columns) from which on two laws are equal on the flights: one leaves a tenth of
+/// Correlation (of whitened columns) above which two laws are equal on the flights: one leaves a tenth of
 /// what the other explains.
 pub const EQUAL: f64 = 0.95;
-/// Most laws that are proposed.
+/// Maximum number of laws that are proposed.
 pub const MOST_LAWS: usize = 5;
 
-/// What is known of a law when it is weighed.
+/// What is used to weigh a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weight {
-    /// What it gains in twice the log likelihood, its residual's autocorrelation taken off.
+    /// Its gain in twice the log likelihood, reduced for its residual's autocorrelation.
     pub evidence: f64,
-    /// Its length.
+    /// Its length, bits.
     pub bits: f64,
     /// Information of its coefficient times the prior's variance.
     pub surprise: f64,
-    /// Twice the log prior odds of the effects that it takes the place of.
+    /// Twice the log prior odds of the effects that it replaces.
     pub instead_of: f64,
 }
 
 impl Weight {
-    /// Twice the logarithm of its odds against none. The coefficient is integrated over its prior (Laplace's
-    /// method).
+    /// Twice the logarithm of its odds against no law. The coefficient is integrated over its prior
+    /// (Laplace's method).
     #[must_use]
     pub fn twice_log_odds(&self) -> f64 {
         self.evidence - BIT * self.bits - EVIDENCE - libm::log1p(self.surprise.max(0.0)) + self.instead_of
     }
 }
 
-/// Probabilities of laws with these (twice log) odds, and of none.
+/// Probabilities of laws with these (twice log) odds, and of no law.
 #[must_use]
 pub fn probabilities(twice_log_odds: &[f64]) -> (Vec<f64>, f64) {
     let most = twice_log_odds.iter().copied().fold(0.0, f64::max);
@@ -72,11 +73,11 @@ mod tests {
     fn a_law_must_pay_for_its_length() {
         let odds = [weight(60.0, 12.0), weight(62.0, 20.0)].map(|weight| weight.twice_log_odds());
         let (probability, none) = probabilities(&odds);
-        // A bit is a factor of two, two of twice the log likelihood a factor of e.
+        // A bit is a factor of two; two of twice the log likelihood are a factor of e.
         let ratio = probability[0] / probability[1];
         assert!((ratio - libm::exp(-1.0) * 256.0).abs() < 1e-9 * ratio, "{ratio}");
         assert!((probability.iter().sum::<f64>() + none - 1.0).abs() < 1e-12);
-        // Odds are against none.
+        // Odds are against no law.
         let against = probability[0] / none;
         assert!((against - libm::exp(0.5 * odds[0])).abs() < 1e-9 * against, "{against}");
         let (nothing, none) = probabilities(&[weight(8.0, 12.0).twice_log_odds()]);

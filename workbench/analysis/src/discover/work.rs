@@ -14,16 +14,16 @@ use crate::diagnose::parts::{Judged, NoiseFit, judged};
 use crate::name::Name;
 use crate::progress::{Cancelled, Progress, step};
 
-/// Laws that the noise is fitted for under each noise that laws are screened by.
+/// Number of laws whose noise is fitted, for each noise that laws are screened with.
 const FIRST_FITS: usize = 5;
-/// Those that it is fitted for under the best law's.
+/// Number of laws whose noise is fitted under the best law's noise.
 const LAST_FITS: usize = 14;
 
-/// Looks for laws; all replays have the same model. `progress` is called once a step. What comes out is the
-/// same whatever the executor.
+/// Searches for laws; all replays have the same model. `progress` is called once for each step. The result
+/// does not depend on the executor.
 ///
 /// # Errors
-/// [`Cancelled`] when `progress` says so.
+/// [`Cancelled`] when `progress` requests it.
 pub fn discover(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
@@ -90,7 +90,7 @@ fn laws(
         };
     for subject in &subjects {
         for beside in bench.variants(*subject) {
-            // Under the null's noise a slow law looks like wander; under the prior's it stands out.
+            // Under the null's noise a slow law looks like wander; under the prior's noise it stands out.
             for near in [&explanation.fit, &prior] {
                 let screen = Screen::new(problem, near.noise, &beside, *subject);
                 let found = search.run(&screen, 4 * FIRST_FITS, progress)?;
@@ -102,7 +102,7 @@ fn laws(
             }
         }
     }
-    // Under the best law's own noise the others like it come in their right order.
+    // Under the best law's own noise, similar laws get their right order.
     for _ in 0..2 {
         let Some(best) = fitted.iter().max_by(|a, b| a.merit().total_cmp(&b.merit())).cloned() else { break };
         if best.merit() < 0.0 {
@@ -111,7 +111,7 @@ fn laws(
         let screen = Screen::new(problem, best.fit.noise, &best.beside, best.subject);
         let found = search.run(&screen, 4 * LAST_FITS, progress)?;
         discovery.scored += found.scored;
-        // What is longer than pays here was right under another noise only.
+        // Laws with more parts than pay here fitted only under another noise.
         let (subject, parts) = (best.subject, found.parts);
         fitted.retain(|one| one.subject != subject || one.law.parts() <= parts);
         let before = fitted.len();
@@ -128,7 +128,7 @@ fn laws(
     Ok(discovery)
 }
 
-/// What a law may act on: the sensors that fly free, and where there are two of them the reference.
+/// What a law may act on: the sensors in free flight, and the reference if there are two of them.
 fn subjects(flights: &[crate::diagnose::parts::Series]) -> Vec<Subject> {
     let free = Sensor::ALL.into_iter().filter(|sensor| {
         sensor.flies_free()

@@ -12,7 +12,7 @@ use crate::progress::Cancelled;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum AddError {
-    /// A flight has not got what the regressor is made of.
+    /// A flight lacks columns of the regressor.
     #[error("{file}: {effect} can't be learned, the flight has no {}", columns.join(", "))]
     Lacks {
         /// The flight.
@@ -22,7 +22,7 @@ pub enum AddError {
         /// The columns that it needs and the flight lacks.
         columns: Vec<&'static str>,
     },
-    /// The flights say nothing of it.
+    /// The flights have no information about it.
     #[error(
         "{effect} can't be learned: what it acts on has no reading, or its regressor does not move or has gaps, in {files}; \
          `pylon diagnose` says what to fly"
@@ -33,16 +33,16 @@ pub enum AddError {
         /// The flights.
         files: String,
     },
-    /// The caller wanted no more.
+    /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// The filter refused.
+    /// The filter failed.
     #[error(transparent)]
     Learn(#[from] LearnError),
     /// The text cannot be changed.
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// It is no model, or would not be one with the effect.
+    /// The text is not a model, or would not be one with the effect.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A flight cannot be flown.

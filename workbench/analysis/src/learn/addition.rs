@@ -1,4 +1,4 @@
-//! One effect more in a model: learned, flown before and after, and what speaks against it.
+//! Adds one effect to a model: learns it, flies before and after, and collects the evidence against it.
 
 use std::collections::BTreeMap;
 
@@ -21,35 +21,35 @@ use executor::Executor;
 use flight_data::Flight;
 use replay::{GivenTimes, Replay, ReplayError, missing_columns};
 
-/// A flight and what the user says of it.
+/// A flight and what the user specifies about it.
 #[derive(Clone, Debug)]
 pub struct NamedFlight<'a> {
-    /// What the user calls it.
+    /// The user's name for it.
     pub file: String,
     /// The flight.
     pub flight: &'a Flight,
-    /// Where to calibrate and when it was in the air, if the flight is not to say.
+    /// Where to calibrate and when it was in the air, if the flight's own data should not decide.
     pub given: GivenTimes,
 }
 
 impl<'a> NamedFlight<'a> {
-    /// A flight that says itself where it is calibrated and when it was in the air.
+    /// A flight whose own data decide where it is calibrated and when it was in the air.
     #[must_use]
     pub fn new(file: impl Into<String>, flight: &'a Flight) -> Self {
         Self { file: file.into(), flight, given: GivenTimes::default() }
     }
 }
 
-/// What is to be added to what.
+/// What to add to which model.
 #[derive(Clone, Debug)]
 pub struct Request<'a> {
     /// The model file's text.
     pub text: &'a str,
-    /// What is wanted of the effect.
+    /// The wanted effect.
     pub wanted: WantedEffect,
-    /// Whether the coefficient is to be a state of the filter; an effect that is one already stays one.
+    /// Whether the coefficient is to be a state of the filter; an effect that is already a state stays one.
     pub estimate: bool,
-    /// The day to write down.
+    /// The date of the revision.
     pub date: Date,
     /// Flights to learn from.
     pub learning: Vec<NamedFlight<'a>>,
@@ -61,7 +61,7 @@ pub struct Request<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorChange {
-    /// With the model as it was.
+    /// With the original model.
     pub before: SensorScore,
     /// With the new one.
     pub after: SensorScore,
@@ -81,7 +81,7 @@ pub struct FlightChange {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Addition {
-    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    /// Version of the keys' meaning. It increases where a key changes its meaning or is removed.
     pub version: u32,
     /// Its id.
     pub effect: Name,
@@ -91,13 +91,15 @@ pub struct Addition {
     pub sigma: f32,
     /// Unit of both.
     pub unit: Name,
-    /// Root mean square error of the sensors concerned before, on what `judged_on` says, metres.
+    /// Root mean square error of the sensors concerned before the addition, on the data named by `judged_on`,
+    /// metres.
     pub rms_before_m: Option<f64>,
-    /// And after, metres.
+    /// The same after the addition, metres.
     pub rms_after_m: Option<f64>,
-    /// What these two, and the verdict, are of.
+    /// The data to which these two and the verdict refer.
     pub judged_on: JudgedOn,
-    /// What decides, rather than these two: the likelihood of what was held out, which knows the wander.
+    /// The likelihood of the held-out data, which accounts for the wander. It decides, rather than the two
+    /// errors.
     pub held_out_verdict: HeldOutVerdict,
     /// Root mean square error of the sensors concerned on the learning flights, before and after, metres.
     pub learning_rms_m: [Option<f64>; 2],
@@ -111,7 +113,7 @@ pub struct Addition {
     pub envelope_m: Option<[f32; 2]>,
     /// Whether it is a state of the filter.
     pub estimate: bool,
-    /// The coefficient that it takes the place of.
+    /// The coefficient that it replaces.
     pub replaced_coefficient: Option<f32>,
     /// The revision's number.
     pub revision: u32,
@@ -119,7 +121,7 @@ pub struct Addition {
     pub learning: Vec<FlightChange>,
     /// The held-out flights, before and after.
     pub held_out: Vec<FlightChange>,
-    /// What speaks against it: without being told to go on all the same, nothing should be written.
+    /// Evidence against it: nothing should be written unless the user insists.
     pub concerns: Vec<String>,
     /// What else the user should know.
     pub warnings: Vec<String>,
@@ -129,16 +131,16 @@ pub struct Addition {
 }
 
 impl Addition {
-    /// The version that is written.
+    /// The version that this program writes.
     pub const VERSION: u32 = 1;
 }
 
-/// What the caller has from before. It must be of the very flights and the model of a [`Request`]: nothing
-/// comes out differently, but sooner.
+/// What the caller kept from earlier work. It must be of the same flights and the same model as the
+/// [`Request`]. The results do not change, they are only found sooner.
 pub struct Remembered<'a> {
     /// The work of a diagnosis.
     pub work: Option<&'a Work>,
-    /// Who says what a model is worth on a flight.
+    /// Scores a model on a flight.
     pub scorer: &'a mut Scorer<'a>,
 }
 
@@ -148,7 +150,7 @@ impl std::fmt::Debug for Remembered<'_> {
     }
 }
 
-/// Learns an effect's coefficient and makes the model's new text; writes nothing.
+/// Learns an effect's coefficient and composes the model's new text; writes nothing.
 ///
 /// # Errors
 /// See [`AddError`].
@@ -160,7 +162,7 @@ pub fn add(
     add_remembering(request, Remembered { work: None, scorer: &mut flown }, progress, executor)
 }
 
-/// As [`add`], without doing again what was done before.
+/// As [`add`], without repeating earlier work.
 ///
 /// # Errors
 /// See [`AddError`].
@@ -186,7 +188,7 @@ pub fn add_remembering(
     let (flown_learning, flown_held_out) = (flown(&request.learning)?, flown(&request.held_out)?);
     let not_flown = not_flown(flown_learning.iter().chain(&flown_held_out));
     let is_held_out_flown = flown_held_out.iter().all(|named| named.replay.is_calibrated());
-    // What `pylon diagnose` found on all of a flight is learned from all of it.
+    // What `pylon diagnose` found on a whole flight is learned from the whole flight.
     let learning = replays(&request.learning, &without, Replay::to_diagnose)?;
     let held_out = replays(&request.held_out, &without, Replay::to_diagnose)?;
     let work = remembered.work.filter(|_| old.is_none());
@@ -241,7 +243,7 @@ pub fn add_remembering(
     let revision = before.next_revision();
     let errors = RevisionErrors { learning: learning_rms_m, held_out: judged_m };
     let text = with_revision(&text, revision, &effect, request.date, replaced_coefficient, &errors)?;
-    // What is written must be a model, and this one.
+    // The new text must be a valid model, and this one.
     let warnings = Model::parse(&text)?.warnings();
     let concerns = concerns(&diagnosis, &effect, judged_on, judged_m, &verdict);
     let remarks = doubts(&diagnosis, id).into_iter().chain(untold(judged_on, &verdict)).chain(not_flown);
@@ -272,7 +274,7 @@ pub fn add_remembering(
     })
 }
 
-/// A number to the hundredth of the first digit of its sigma.
+/// A number rounded to a hundredth of the first digit of its sigma.
 fn rounded(value: f64, sigma: f64) -> f32 {
     let quantum = libm::pow(10.0, libm::log10(sigma).floor() - 2.0);
     let digits = -libm::log10(quantum).round();
@@ -284,7 +286,7 @@ fn rounded(value: f64, sigma: f64) -> f32 {
     rounded as f32
 }
 
-/// How a replay is made of a flight.
+/// How a replay is made from a flight.
 type Making<'a> = fn(&'a Flight, &Model, GivenTimes) -> Result<Replay<'a>, ReplayError>;
 
 /// The flights, ready to be replayed.
@@ -301,7 +303,7 @@ fn replays<'a>(
     named.collect()
 }
 
-/// The flights that no mission is flown over.
+/// The flights over which no mission is flown.
 fn not_flown<'a>(replays: impl Iterator<Item = &'a NamedReplay<'a>>) -> Vec<String> {
     let uncalibrated = replays.filter(|named| !named.replay.is_calibrated());
     uncalibrated
@@ -315,7 +317,7 @@ fn not_flown<'a>(replays: impl Iterator<Item = &'a NamedReplay<'a>>) -> Vec<Stri
         .collect()
 }
 
-/// What the two models are worth on the flights that are calibrated.
+/// Scores of the two models on the flights that are calibrated.
 fn changes(
     flights: &[NamedFlight<'_>],
     replays: &[NamedReplay<'_>],

@@ -1,4 +1,4 @@
-//! What speaks against an effect that was learned.
+//! Evidence against an effect that was learned.
 
 use kf_core::effect::EffectId;
 use model::Effect;
@@ -10,19 +10,19 @@ use crate::diagnose::{Diagnosis, HeldOutVerdict, Verdict};
 /// A coefficient within this many sigmas of zero is treated as absent.
 const SIGNIFICANT_SIGMAS: f64 = 3.0;
 
-/// What the errors before and after are of.
+/// The data on which the errors before and after were computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum JudgedOn {
-    /// The held-out flights, by the mission; where one of them has nothing to calibrate on, all of them about
+    /// The held-out flights, by the mission; if one of them has nothing to calibrate on, all of them about
     /// biases fitted to them.
     HeldOutFlights,
     /// Stretches of the learning flights, each predicted from the rest.
     HeldOutManoeuvres,
 }
 
-/// What speaks against an effect.
+/// The evidence against an effect.
 pub(super) fn concerns(
     diagnosis: &Diagnosis,
     effect: &Effect,
@@ -62,7 +62,7 @@ pub(super) fn concerns(
     concerns
 }
 
-/// What was held out, in the plural.
+/// Name of the held-out data, in the plural.
 pub(super) const fn held_out_name(judged_on: JudgedOn) -> &'static str {
     match judged_on {
         JudgedOn::HeldOutFlights => "flights",
@@ -70,7 +70,7 @@ pub(super) const fn held_out_name(judged_on: JudgedOn) -> &'static str {
     }
 }
 
-/// What a test that cannot tell leaves open.
+/// What a test that cannot decide leaves open.
 pub(super) fn untold(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<String> {
     (!verdict.can_tell && !verdict.is_worse).then(|| {
         format!(
@@ -80,7 +80,7 @@ pub(super) fn untold(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<St
     })
 }
 
-/// What of a diagnosis the user should know beside the concerns.
+/// What the user should know from a diagnosis besides the concerns.
 pub(super) fn doubts(diagnosis: &Diagnosis, effect: EffectId) -> Vec<String> {
     let mut doubts = Vec::new();
     let subject = effect.subject().name();

@@ -1,4 +1,4 @@
-//! A model's text with one effect more, everything else in it as it was.
+//! A model's text with one more effect, otherwise unchanged.
 
 use model::Effect;
 use thiserror::Error;
@@ -18,12 +18,12 @@ pub enum DocumentError {
     NotTables(&'static str),
 }
 
-/// What a revision has beside its effect: root mean square errors in metres.
+/// A revision's errors, besides its effect: root mean square errors in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RevisionErrors {
     /// On the flights learned from, before and after.
     pub learning: [Option<f64>; 2],
-    /// On what was held out, before and after.
+    /// On the held-out data, before and after.
     pub held_out: [Option<f64>; 2],
 }
 
@@ -64,7 +64,7 @@ pub fn with_effect(text: &str, effect: &Effect, date: Date) -> Result<String, Do
     Ok(document.to_string())
 }
 
-/// The text with a further revision.
+/// The text with one more revision.
 ///
 /// # Errors
 /// See [`DocumentError`].
@@ -146,11 +146,11 @@ fn inline_tables<'a>(document: &'a mut DocumentMut, key: &str) -> Option<&'a mut
     if is_inline { document.get_mut(key)?.as_array_mut() } else { None }
 }
 
-/// Adds an inline table in the way in which the last one stands: behind it, or on a line of its own.
+/// Adds an inline table in the layout of the last one: behind it, or on a line of its own.
 fn append_inline(array: &mut Array, mut table: InlineTable) {
     let first = array.iter().next().and_then(|table| table.decor().prefix()?.as_str());
     let indent = first.and_then(|prefix| Some(&prefix[prefix.rfind('\n')?..])).map(str::to_owned);
-    // What stands behind the last, before the bracket or its comma, may be a comment: it stays there.
+    // What follows the last one, before the bracket or its comma, may be a comment: it stays there.
     if let Some(last) = array.iter_mut().last() {
         let behind = last.decor().suffix().and_then(|text| text.as_str()).unwrap_or_default().to_owned();
         if !behind.is_empty() {
@@ -175,7 +175,7 @@ fn append_inline(array: &mut Array, mut table: InlineTable) {
     array.push_formatted(Value::InlineTable(table));
 }
 
-/// The `[[key]]` tables, made if there are none.
+/// The `[[key]]` tables, created if there are none.
 fn tables<'a>(
     document: &'a mut DocumentMut,
     key: &'static str,
@@ -184,8 +184,7 @@ fn tables<'a>(
     item.as_array_of_tables_mut().ok_or(DocumentError::NotTables(key))
 }
 
-/// Adds a table, with an empty line before it unless it is alone, after the comments that stood at the text's
-/// end.
+/// Adds a table, with an empty line before it unless it is alone, after the comments at the text's end.
 fn append(tables: &mut ArrayOfTables, mut table: Table, trailing: &str, is_alone: bool) {
     let gap = if is_alone { "" } else { "\n" };
     table.decor_mut().set_prefix(format!("{}{gap}", trailing));
@@ -220,7 +219,7 @@ fn put_time_constant(table: &mut dyn TableLike, effect: &Effect) {
     }
 }
 
-/// Sets a key; the comment behind a value that was there stays.
+/// Sets a key; a comment after an existing value stays.
 fn set(table: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
     match table.get_mut(key) {
         Some(Item::Value(old)) => {
@@ -232,7 +231,7 @@ fn set(table: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
     }
 }
 
-/// The shortest decimal number that is this one in single precision.
+/// The shortest decimal number that equals this one in single precision.
 fn decimal(single: f32) -> f64 {
     single.to_string().parse().unwrap_or_else(|_| f64::from(single))
 }
@@ -328,7 +327,7 @@ number = 4
         assert_eq!(model.effects.len(), 2);
         assert_eq!(model.revision_numbers(), [4, 5]);
 
-        // Learned anew: the effect's own lines change, the comments behind its values stay.
+        // Learned again: the effect's own lines change, the comments behind its values stay.
         let again = changed.replace(
             "coefficient = 0.061\nsigma = 0.002\nest",
             "coefficient = 0.061 # ours\nsigma = 0.002\nest",
@@ -377,7 +376,7 @@ revision = []
             assert!(added_at > changed.find("# the last").unwrap(), "{changed}");
             let model = Model::parse(&changed).unwrap();
             assert_eq!((model.effects.len(), model.revision_numbers()), (3, vec![1]));
-            // Learned anew: in its place.
+            // Learned again: in its place.
             let again = added(&changed, 0.0625);
             let model = Model::parse(&again).unwrap();
             assert_eq!((model.effects.len(), model.effects[2].term.coefficient), (3, 0.0625));

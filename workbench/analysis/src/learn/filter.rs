@@ -1,8 +1,8 @@
-//! A coefficient by the core's own filter: what the flight computer would have learned, had it known the
+//! A coefficient by the core's own filter: what the flight computer would have learned if it had known the
 //! noise.
 //!
 //! The states are the reference's wander, the white noise of a block's fixes, the slow wander, each sensor's
-//! wander, the sensors' biases, the wind's two, and one coefficient a term. All of it in single precision.
+//! wander, the sensors' biases, the wind's two, and one coefficient for each term, all in single precision.
 
 use kf_core::error::FilterError;
 use kf_core::sensor::SENSORS;
@@ -11,20 +11,21 @@ use thiserror::Error;
 
 use crate::diagnose::{BySensor, LearningProblem, Noise, Series, Term};
 
-/// First state of the sensors' wanders.
+/// Index of the first of the sensors' wanders.
 const WANDER: usize = 3;
-/// First state of the biases.
+/// Index of the first bias.
 const BIAS: usize = WANDER + SENSORS;
-/// First state of the wind's.
+/// Index of the first wind state.
 const WIND: usize = BIAS + SENSORS;
-/// First state of the coefficients.
+/// Index of the first coefficient.
 const COEFFICIENTS: usize = WIND + 2;
-/// A model's 16 effects, the five that a diagnosis may find, and the one that is learned.
+/// Maximum number of terms: a model's 16 effects, the five that a diagnosis may find, and the one that is
+/// learned.
 const MOST_TERMS: usize = 22;
 
-/// What is believed of a bias about its first reading, metres: nothing.
+/// Prior sigma of a bias about its first reading, metres: unknown.
 const BIAS_SIGMA_M: f64 = 1000.0;
-/// What is believed of a coefficient of which nothing is known: so many times the largest that nature makes.
+/// Prior sigma of an unknown coefficient, in multiples of the physically largest one.
 const PRIOR_RANGES: f64 = 30.0;
 
 /// A coefficient as the filter learned it.
@@ -34,7 +35,7 @@ pub struct Learned {
     pub coefficient: f64,
     /// Its sigma by the filter alone.
     pub filter_sigma: f64,
-    /// One sigma of it, its spread over the parts of the flights and its signals' scale errors accounted for.
+    /// One sigma of it, including its spread over the parts of the flights and its signals' scale errors.
     pub sigma: f64,
 }
 
@@ -44,7 +45,7 @@ pub enum LearnError {
     /// More terms than the filter holds.
     #[error("{0} effects at once, expected at most {MOST_TERMS}")]
     TooMany(usize),
-    /// The filter refused a number.
+    /// The filter rejected a value.
     #[error("the filter stopped at block {block}: {error:?}")]
     Filter {
         /// The block of the flight, from 0.
@@ -54,7 +55,7 @@ pub enum LearnError {
     },
 }
 
-/// Runs the filter over a problem; its first term is the one that is learned.
+/// Runs the filter over a problem; its first term is the one to learn.
 ///
 /// # Errors
 /// See [`LearnError`].
@@ -67,7 +68,7 @@ pub fn learn(problem: &LearningProblem) -> Result<Learned, LearnError> {
     }
 }
 
-/// With a filter of so many states, of which those without a term are known to be nothing.
+/// With a filter of this many states, of which those without a term are known to be zero.
 fn sized<const STATES: usize>(problem: &LearningProblem, terms: usize) -> Result<Learned, LearnError> {
     let (Some(term), true) = (problem.terms.first(), COEFFICIENTS + terms <= STATES) else {
         return Err(LearnError::TooMany(terms));
@@ -88,12 +89,12 @@ fn sized<const STATES: usize>(problem: &LearningProblem, terms: usize) -> Result
     })
 }
 
-/// The coefficient that moves a sensor by a metre in flight: what its state is counted in.
+/// The coefficient that moves a sensor by a metre in flight: the unit of its state.
 fn unit(term: &Term) -> f64 {
     1.0 / f64::from(term.regressor.id.typical_regressor_m())
 }
 
-/// A filter that knows nothing but what the model says of its own effects.
+/// A filter that knows only what the model contains about its own effects.
 fn start<const STATES: usize>(terms: &[Term]) -> Result<UdFilter<0, STATES>, FilterError> {
     let mut variance = [0.0; STATES];
     for (slot, term) in variance.iter_mut().skip(COEFFICIENTS).zip(terms) {
@@ -112,7 +113,7 @@ fn fly<const STATES: usize>(
 ) -> Result<(), LearnError> {
     let LearningProblem { noise, terms, wind, .. } = problem;
     let wind_sigmas = wind.map_or([0.0; 2], |wind| wind.map(|nuisance| nuisance.sigma));
-    // A bias is counted from the sensor's first reading: what is left is small enough for single precision.
+    // A bias is counted from the sensor's first reading: the rest is small enough for single precision.
     let first_m: BySensor = std::array::from_fn(|i| {
         let mut readings = flight.residual_m.iter().map(|residuals| residuals[i]);
         readings.find(|residual| residual.is_finite()).unwrap_or(0.0)
@@ -156,8 +157,8 @@ fn fly<const STATES: usize>(
     Ok(())
 }
 
-/// The start of a flight: of its noise what is known is its size, and biases and wind are not those of the
-/// last flight.
+/// The start of a flight: of its noise only the size is known, and biases and wind are not those of the last
+/// flight.
 fn begin<const STATES: usize>(
     filter: &mut UdFilter<0, STATES>,
     noise: &Noise,
@@ -202,7 +203,7 @@ fn carry<const STATES: usize>(
     propagate(filter, &kept, &added_m2)
 }
 
-/// Keeps of each state but the coefficients its share, and adds variance to it.
+/// Keeps the share of each state except the coefficients, and adds variance to it.
 fn propagate<const STATES: usize>(
     filter: &mut UdFilter<0, STATES>,
     kept: &[f32; COEFFICIENTS],

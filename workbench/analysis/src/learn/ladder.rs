@@ -14,7 +14,7 @@ use replay::ReplayError;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Ladder {
-    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    /// Version of the keys' meaning. It increases where a key changes its meaning or is removed.
     pub version: u32,
     /// The model's name.
     pub model: String,
@@ -23,7 +23,7 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// The version that is written.
+    /// The version that this program writes.
     pub const VERSION: u32 = 1;
 }
 
@@ -33,11 +33,11 @@ impl Ladder {
 pub struct LadderRevision {
     /// Its number; 0 is before all revisions.
     pub number: u32,
-    /// The effect that it added or learned anew.
+    /// The effect that it added or learned again.
     pub effect: Option<Name>,
     /// The day.
     pub date: Option<String>,
-    /// The effects of the model as it left it.
+    /// The effects of the model at this revision.
     pub effects: Vec<Name>,
     /// Every flight.
     pub flights: Vec<RevisionFlight>,
@@ -69,7 +69,7 @@ pub(crate) fn numbers(model: &Model) -> impl Iterator<Item = u32> {
     std::iter::once(0).chain(model.revision_numbers().into_iter().filter(|number| *number > 0))
 }
 
-/// Flies every revision of a model over every flight; `progress` is told how many of these are done.
+/// Flies every revision of a model over every flight; `progress` receives the number of runs done.
 ///
 /// # Errors
 /// [`LadderError`], for the first flight that cannot be flown.
@@ -81,7 +81,7 @@ pub fn ladder(
     ladder_by(&mut flown, model, flights, progress)
 }
 
-/// As [`ladder`], by somebody's scores.
+/// As [`ladder`], with the given scores.
 ///
 /// # Errors
 /// [`LadderError`], for the first flight that cannot be flown.

@@ -1,10 +1,10 @@
 //! Adding an effect to a model.
 //!
-//! 1. `crate::diagnose::study` says what the effect's coefficient is to be learned from.
+//! 1. `crate::diagnose::study` determines what the effect's coefficient is learned from.
 //! 2. `filter` learns it with the core's own filter.
-//! 3. `document` writes it into the model's text, which stays as it was but for that.
+//! 3. `document` writes it into the model's text, which otherwise stays as it was.
 //! 4. `score` flies the mission before and after.
-//! 5. `addition` puts these together, and `concerns` says what speaks against it.
+//! 5. `addition` puts these together, and `concerns` collects the evidence against it.
 //! 6. `ladder` scores every revision of a model.
 
 mod add_error;

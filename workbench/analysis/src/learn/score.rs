@@ -1,4 +1,4 @@
-//! A mission's errors on a flight: what a model is worth, without the rest of a comparison.
+//! A mission's errors on a flight, as a score of a model, without the rest of a comparison.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ use replay::{AnyMission, Observer, Replay, ReplayError, mission};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SensorScore {
-    /// Root mean square error in captive flight, by the latched bias, metres; `None` without a reading.
+    /// Root mean square error in captive flight, with the latched bias, metres; `None` without a reading.
     pub captive_rms_m: Option<f64>,
     /// Root mean square error in free flight, metres; `None` without a reading.
     pub free_flight_rms_m: Option<f64>,
@@ -27,7 +27,7 @@ pub struct SensorScore {
     pub doubtful_after_s: Option<f64>,
     /// When it became untrustworthy, seconds after launch; `None`: never.
     pub untrustworthy_after_s: Option<f64>,
-    /// How long it flew free: from launch to the flight's last tick, seconds; `None` without launch.
+    /// Duration of its free flight, from launch to the flight's last tick, seconds; `None` without launch.
     pub free_flight_s: Option<f64>,
     /// Ticks of free flight with an error.
     #[serde(skip)]
@@ -46,13 +46,13 @@ struct Tally {
     untrustworthy_us: Option<u64>,
 }
 
-/// Who says what a model is worth on a flight: [`flown`], or who remembers what that said.
+/// Scores a model on a flight: [`flown`], or a function that keeps its earlier results.
 pub type Scorer<'a> = dyn FnMut(&NamedFlight<'_>, &Model) -> Result<Scores, ReplayError> + 'a;
 
 /// Flies a model over a flight and scores every sensor.
 ///
 /// # Errors
-/// A flight that can't be flown, or a model that no mission can be made of.
+/// When a flight cannot be flown, or no mission can be made from the model.
 pub fn flown(named: &NamedFlight<'_>, model: &Model) -> Result<Scores, ReplayError> {
     score(&Replay::new(named.flight, model, named.given)?)
 }
@@ -60,14 +60,14 @@ pub fn flown(named: &NamedFlight<'_>, model: &Model) -> Result<Scores, ReplayErr
 /// Flies a replay's model over its flight and scores every sensor.
 ///
 /// # Errors
-/// A model that no mission can be made of.
+/// When no mission can be made from the model.
 pub fn score(replay: &Replay<'_>) -> Result<Scores, ReplayError> {
     let mut tally = ScoreTally::default();
     let summary = replay.run(&mut |_, output| tally.take(output))?;
     Ok(tally.scores(summary.latch.as_ref()))
 }
 
-/// Scores in the making, by the outputs of a mission.
+/// Scores being accumulated from the outputs of a mission.
 #[derive(Clone, Default)]
 pub(crate) struct ScoreTally {
     tallies: [Tally; SENSORS],
@@ -76,7 +76,7 @@ pub(crate) struct ScoreTally {
 }
 
 impl ScoreTally {
-    /// Takes one tick.
+    /// Processes one tick.
     #[inline]
     pub(crate) fn take(&mut self, output: &TickOutput) {
         if output.out_of_order {
@@ -89,7 +89,7 @@ impl ScoreTally {
         for (tally, sensor) in self.tallies.iter_mut().zip(&output.sensors) {
             match (output.phase, sensor.error_m) {
                 (Phase::Calibrating, Some(error_m)) => {
-                    // Freed of the bias as it stands: the latched one is only known at the end.
+                    // Without the current bias: the latched one is only known at the end.
                     let raw_m = f64::from(error_m) + f64::from(sensor.bias_m);
                     tally.captive[0] += 1.0;
                     tally.captive[1] += raw_m;
@@ -112,7 +112,7 @@ impl ScoreTally {
         }
     }
 
-    /// The scores, by the biases that were latched.
+    /// The scores, with the latched biases.
     pub(crate) fn scores(&self, latch: Option<&LatchRecord>) -> Scores {
         let after_s = |time_us: Option<u64>| {
             let (time_us, launch_us) = time_us.zip(self.launch_us)?;
@@ -142,17 +142,17 @@ impl ScoreTally {
     }
 }
 
-/// A model's scores, by a mission of its own that sees a pass' ticks.
+/// A model's scores, from a mission of its own that observes a pass' ticks.
 pub(crate) struct Scoring {
     mission: Box<dyn AnyMission>,
     tally: ScoreTally,
 }
 
 impl Scoring {
-    /// A new mission of the model as a replay has it.
+    /// A new mission with the model as in a replay.
     ///
     /// # Errors
-    /// A model that no mission can be made of.
+    /// When no mission can be made from the model.
     pub(crate) fn new(model: &Model) -> Result<Self, ReplayError> {
         Ok(Self { mission: mission(model)?, tally: ScoreTally::default() })
     }
@@ -171,7 +171,7 @@ impl Observer for Scoring {
     }
 }
 
-/// Root mean square error in free flight over some flights, of the sensors that an effect acts on (of the
+/// Root mean square error in free flight over some flights, of the sensors that an effect acts on (for the
 /// reference: all that fly free), metres; `None` without a reading.
 #[must_use]
 pub fn pooled_rms_m<'a>(scores: impl IntoIterator<Item = &'a Scores>, subject: EffectSubject) -> Option<f64> {
@@ -196,8 +196,8 @@ mod tests {
 
     use super::*;
 
-    /// Errors of several flights are pooled by their ticks: of one at 3 m and three times as much at 1 m the
-    /// mean square is 3. Of the reference all sensors count.
+    /// Errors of several flights are pooled by their ticks: with one tick at 3 m and three times as many at 1
+    /// m the mean square is 3. For the reference all sensors count.
     #[test]
     fn errors_are_pooled_by_their_ticks() {
         let score = |rms_m, ticks| SensorScore { free_flight_rms_m: rms_m, ticks, ..SensorScore::default() };

@@ -1,4 +1,4 @@
-//! What is in a log, in the words of who flew it: `pylon open`.
+//! What is in a log, in the words of its pilot: `pylon open`.
 
 mod next;
 mod sensors;
@@ -14,59 +14,58 @@ use replay::{GivenTimes, Replay, Usage, clock, has_launch};
 
 pub use sensors::{SensorState, SensorView};
 
-/// What a flight's CSV is called as a format.
+/// The format name of a flight's CSV.
 pub const FLIGHT_FORMAT: &str = "Pylon's own CSV";
 
 /// What is in a log: the keys of `pylon open --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Overview {
-    /// Version of what these keys mean: a new one where a key changes its meaning or goes.
+    /// Version of the keys' meaning. It increases where a key changes its meaning or is removed.
     pub version: u32,
     /// The file.
     pub file: String,
     /// What kind of log it is.
     pub format: String,
-    /// The vehicle, as the log says.
+    /// The vehicle, as given in the log.
     pub vehicle: String,
-    /// Rows.
+    /// Number of rows.
     pub rows: u64,
-    /// First time of the flight's own clock, seconds: what `--calibrate` counts from is zero of that clock,
-    /// not this.
+    /// First time of the flight's own clock, seconds. `--calibrate` counts from zero of that clock, not from
+    /// this time.
     pub first_s: f64,
-    /// From the first row to the last, seconds.
+    /// Time from the first row to the last, seconds.
     pub duration_s: f64,
-    /// When it was launched or dropped, by its own `launch` column, seconds.
+    /// When it was launched or dropped, from its own `launch` column, seconds.
     pub launch_s: Option<f64>,
-    /// When it was dropped from a carrier, by how it falls, seconds; null where it was not, or has a `launch`
-    /// column.
+    /// When it was dropped from a carrier, found by how it falls, seconds; null where it was not, or has a
+    /// `launch` column.
     pub drop_s: Option<f64>,
     /// Which part of it is analysed.
     #[serde(flatten, deserialize_with = "crate::json::whole")]
     pub usage: Usage,
-    /// The share of it that a diagnosis works on, which needs no calibration; null where it cannot be
-    /// analysed.
+    /// The share of it that a diagnosis uses, which needs no calibration; null where it cannot be analysed.
     pub diagnosed_share: Option<f64>,
     /// Every time in the air.
     pub airborne: Vec<AirborneTime>,
-    /// On the ground before the take-off of the flight that is analysed, seconds.
+    /// Time on the ground before the take-off of the flight that is analysed, seconds.
     pub ground_before_s: Option<f64>,
-    /// After its landing, seconds.
+    /// Time after its landing, seconds.
     pub after_landing_s: Option<f64>,
     /// Where it is calibrated, in words; null where nothing can be.
     pub calibration: Option<String>,
-    /// From when to when it is calibrated, seconds; null for a flight with a launch, or where nothing can be
+    /// Start and end of the calibration, seconds; null for a flight with a launch, or where nothing can be
     /// calibrated.
     pub calibration_window_s: Option<[f64; 2]>,
     /// Why it cannot be analysed, if it cannot.
     pub refused: Option<String>,
-    /// What is wrong with the barometer for all of the log, if anything is.
+    /// What is wrong with the barometer for the whole log, if anything.
     pub barometer_fault: Option<String>,
     /// The sensors.
     pub sensors: Vec<SensorView>,
-    /// What was remarkable about the log.
+    /// Anything remarkable about the log.
     pub notes: Vec<String>,
-    /// Commands to go on with.
+    /// Commands to continue with.
     pub next: Vec<String>,
 }
 
@@ -93,10 +92,10 @@ impl From<&AirborneInterval> for AirborneTime {
 }
 
 impl Overview {
-    /// The version that is written.
+    /// The version that this program writes.
     pub const VERSION: u32 = 1;
 
-    /// Of a flight as it was read; `format` is what the file was.
+    /// The overview of a flight that was read; `format` is the file's format.
     #[must_use]
     pub fn new(
         file: &str,
@@ -113,7 +112,7 @@ impl Overview {
             (Ok(replay), Some(_)) => replay.extent().airborne.clone(),
             _ => airborne::find(flight).airborne,
         };
-        // The blocks in which take-offs are found are too long for a launch that a log begins with.
+        // The blocks in which take-offs are found are too long for a log that begins with a launch.
         let boost = airborne::boost(flight).filter(|_| !has_launch(flight) && given.airborne.is_none());
         if let Some(boost) = boost {
             let interval =
@@ -161,7 +160,7 @@ impl Overview {
                 .ok()
                 .filter(|_| refused.is_none())
                 .map(|replay| Usage::of(&replay).used_share),
-            // A flight that says itself when it was launched is not searched for take-offs.
+            // A flight that records its launch is not searched for take-offs.
             airborne: if has_launch(flight) {
                 Vec::new()
             } else {
@@ -191,8 +190,8 @@ fn launch_s(flight: &Flight) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// The launch is the first row whose cell says so; a column of zeros says none, and neither does one that
-    /// is not there.
+    /// The launch is the first row whose cell marks it; a column of zeros marks none, and neither does a
+    /// missing column.
     #[test]
     fn a_launch_is_the_first_that_is_said() {
         let of = |cells: &str| {

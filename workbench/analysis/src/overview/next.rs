@@ -1,6 +1,7 @@
 //! What to do with a log next.
 
-/// Commands to go on with, to be pasted into a shell. `import` refuses what is a flight's CSV already.
+/// Commands to continue with, to be pasted into a shell. `import` refuses a file that is already a flight's
+/// CSV.
 pub(super) fn next(file: &str, is_usable: bool, is_flight: bool) -> Vec<String> {
     let file = quoted(file);
     let analysis = ["pylon compare", "pylon diagnose"].map(|command| format!("{command} {file}"));
@@ -9,7 +10,7 @@ pub(super) fn next(file: &str, is_usable: bool, is_flight: bool) -> Vec<String> 
     analysis.filter(|_| is_usable).chain(import).collect()
 }
 
-/// A file's name as a shell takes it.
+/// A file's name, quoted for a shell.
 fn quoted(file: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
     let file = if file.starts_with('-') { format!("./{file}") } else { file.to_owned() };

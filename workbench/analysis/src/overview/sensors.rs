@@ -14,11 +14,11 @@ use crate::name::Name;
 pub enum SensorState {
     /// It has values that change.
     Present,
-    /// It says one and the same all the time.
+    /// It repeats one value all the time.
     Stuck,
-    /// What is in its column is the receiver's altitude, with or without a constant added.
+    /// Its column contains the receiver's altitude, with or without a constant added.
     Copied,
-    /// The log has none.
+    /// The log has no such sensor.
     Absent,
 }
 
@@ -30,17 +30,17 @@ pub struct SensorView {
     pub sensor: Name,
     /// Whether it measured.
     pub state: SensorState,
-    /// Samples.
+    /// Number of samples.
     pub samples: u64,
-    /// Median rate, samples a second.
+    /// Median rate, samples per second.
     pub rate_hz: Option<f64>,
     /// Its columns.
     pub columns: Vec<Name>,
-    /// What its altitudes are measured from, `msl`, `ellipsoid` or `pressure`; null for what is no altitude.
+    /// Datum of its altitudes, `msl`, `ellipsoid` or `pressure`; null for a sensor that is not an altitude.
     pub datum: Option<Name>,
 }
 
-/// A sensor and its columns, the telling one first.
+/// A sensor and its columns, the decisive one first.
 const SENSORS: &[(&str, &[Channel])] = &[
     ("receiver's altitude", &[Channel::GpsAltM, Channel::GpsVaccM, Channel::GpsSats]),
     ("receiver's velocity", &[Channel::GpsVnMps, Channel::GpsVeMps, Channel::GpsVdMps]),
@@ -65,7 +65,7 @@ pub(super) fn views(flight: &Flight) -> Vec<SensorView> {
             .collect();
         let telling = columns.first().map(|(_, column)| *column);
         let state = telling.map_or(SensorState::Absent, |column| state(flight, sensor, column));
-        // The receiver and the barometer are asked for, the others are not.
+        // The receiver and the barometer are always listed, the others are not.
         (place < 3 || state != SensorState::Absent).then(|| SensorView {
             sensor: (*sensor).into(),
             state,
@@ -90,12 +90,12 @@ fn state(flight: &Flight, sensor: &str, column: &Column) -> SensorState {
             Some(Fault::Copied { .. }) => SensorState::Copied,
         };
     }
-    // A vehicle that stood still the whole time has equal values too; but not so many of them.
+    // A vehicle that stood still the whole time has equal values too, but fewer of them.
     let mut values = column.samples().map(|(_, value)| value.to_bits());
     let first = values.next();
     let count = column.samples().count();
     let is_equal = count >= 100 && values.all(|value| Some(value) == first);
-    // A throttle or a temperature may well be the same all the time.
+    // A throttle or a temperature may well be constant.
     let may_rest = matches!(sensor, "throttle" | "air's temperature");
     if is_equal && !may_rest { SensorState::Stuck } else { SensorState::Present }
 }

@@ -1,8 +1,8 @@
-//! What a chip's fault did to a flight, beside the same flight without it.
+//! What a chip's fault did to a flight, compared with the same flight without it.
 //!
-//! Both are flown on the host, whose bits are the target's. What is compared is what the flight computer is
-//! for: the calibration that it latches, when it decides the launch, the flags that it raises, the altitudes
-//! that it publishes, and for how long a sensor says nothing.
+//! Both are flown on the host, whose bits are the target's. The comparison covers the purpose of the flight
+//! computer: the calibration that it latches, when it decides the launch, the flags that it raises, the
+//! altitudes that it publishes, and for how long a sensor delivers nothing.
 
 mod silence;
 mod text;
@@ -29,15 +29,15 @@ use super::fault_script::{Item, Scripted};
 use super::grid::{OnGrid, TICK_US};
 use super::host;
 
-/// The name of a sensor, a check or a verdict: one of ours, or one that was read.
+/// The name of a sensor, a check or a verdict: a built-in one, or one read from a file.
 pub type Name = Cow<'static, str>;
 
 /// A value without the fault, and with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CleanAndFaulty<T> {
-    /// Of the flight without the fault.
+    /// Value of the flight without the fault.
     pub clean: T,
-    /// Of the flight with it.
+    /// Value of the flight with the fault.
     pub with_fault: T,
 }
 
@@ -48,7 +48,7 @@ pub struct Consequence {
     pub calibration: CalibrationChange,
     /// When the launch was decided, seconds of the flight's time; null without one.
     pub launch_decided_s: CleanAndFaulty<Option<f64>>,
-    /// The flags, by sensor that flies free.
+    /// The flags, by sensor in free flight.
     pub flags: BTreeMap<Name, FlagsChange>,
     /// The reference altitude as estimated in captive flight; null where both flights have none.
     pub captive_altitude: Option<AltitudeDifference>,
@@ -60,7 +60,7 @@ pub struct Consequence {
     pub readings_refused: BTreeMap<Name, CleanAndFaulty<u32>>,
     /// Polls of sensors that failed.
     pub polls_failed: CleanAndFaulty<u32>,
-    /// Ticks at which what the flight computer saw or said has other bits.
+    /// Number of ticks at which the flight computer's input or output has different bits.
     pub ticks_that_differ: usize,
 }
 
@@ -77,14 +77,14 @@ pub struct CalibrationChange {
     pub sensors: BTreeMap<Name, BiasChange>,
 }
 
-/// A sensor's calibration, twice.
+/// A sensor's calibration in both flights.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BiasChange {
     /// Latched bias, metres.
     pub bias_m: CleanAndFaulty<f64>,
-    /// What the fault moved it by, metres.
+    /// Change of the bias due to the fault, metres.
     pub difference_m: f64,
-    /// That, in standard deviations of the bias with the fault, as the filter states them.
+    /// The same in standard deviations of the bias with the fault, as the filter states them.
     pub difference_in_sigmas: f64,
     /// Standard deviation of the bias, metres.
     pub bias_sigma_m: CleanAndFaulty<f64>,
@@ -94,32 +94,32 @@ pub struct BiasChange {
     pub readings: CleanAndFaulty<u32>,
 }
 
-/// A sensor's flags, twice: seconds after the launch's first edge, or null.
+/// A sensor's flags in both flights: seconds after the launch's first edge, or null.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FlagsChange {
     /// When it became doubtful.
     pub doubtful_after_s: CleanAndFaulty<Option<f64>>,
     /// When it became untrustworthy.
     pub untrustworthy_after_s: CleanAndFaulty<Option<f64>>,
-    /// For how long of the free flight it was not monitored, seconds.
+    /// Time in free flight without monitoring, seconds.
     pub unmonitored_s: CleanAndFaulty<f64>,
 }
 
-/// How far two altitudes are apart, over the ticks that have both.
+/// Distance of two altitudes, over the ticks that have both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AltitudeDifference {
     /// Root mean square, metres.
     pub rms_m: f64,
     /// Largest, metres.
     pub peak_m: f64,
-    /// When that was, seconds of the flight's time.
+    /// Time of the largest, seconds of the flight's time.
     pub peak_s: f64,
-    /// Ticks.
+    /// Number of ticks.
     pub ticks: usize,
 }
 
-/// What delivers: four devices, and the altitude that is made of the inertial unit's samples or delivered by
-/// one of its own.
+/// What delivers: four devices, and the altitude that is computed from the inertial unit's samples or
+/// delivered by a device of its own.
 const SOURCES: [&str; 5] = ["baro", "imu", "gps", "umbilical", "imu_slave"];
 
 /// Flies the rows on chips with and without the faults.
@@ -136,7 +136,7 @@ pub(super) fn of(
     Ok(beside(&clean, &with_fault))
 }
 
-/// A flight on the host, as far as two are compared.
+/// A flight on the host, with what is compared.
 struct Flown {
     ticks: Vec<Tick>,
     latch: Option<LatchRecord>,
@@ -144,7 +144,7 @@ struct Flown {
     doubtful_us: [Option<u64>; SENSORS],
     untrustworthy_us: [Option<u64>; SENSORS],
     unmonitored_ticks: [u32; SENSORS],
-    /// Of `gps` and the sensors.
+    /// For `gps` and the sensors.
     refused: [u32; 1 + SENSORS],
     polls_failed: u32,
 }
@@ -155,9 +155,9 @@ struct Tick {
     delivered: u8,
     /// The estimated altitude in captive flight, metres.
     estimated_m: Option<f32>,
-    /// Each sensor's as calibrated in free flight, metres.
+    /// Each sensor's calibrated altitude in free flight, metres.
     calibrated_m: [Option<f32>; SENSORS],
-    /// A sum over all bits that the tick saw and said.
+    /// A checksum of all bits of the tick's input and output.
     check: u64,
 }
 
@@ -215,7 +215,7 @@ impl Flown {
         let counters = computer.mission.counters();
         let sources = [&counters.gps].into_iter().chain(&counters.sensors);
         for (refused, source) in flown.refused.iter_mut().zip(sources) {
-            // What was held is no reading at all, and what was used was not refused.
+            // A held sample is not a reading, and a reading that was used was not refused.
             *refused = source.not_finite + source.stuck + source.variance;
         }
         flown.polls_failed = computer.sensors.faults().count;

@@ -1,14 +1,14 @@
-//! For how long a source said nothing.
+//! For how long a source delivered nothing.
 
 /// Ticks at which a source was silent with the fault and was not without it; `None` for a source that never
-/// delivered without it.
+/// delivers without the fault.
 pub fn ticks(clean: &[bool], with_fault: &[bool]) -> Option<usize> {
     let usual = usual_interval(clean)?;
     let (clean, with_fault) = (silent(clean, usual), silent(with_fault, usual));
     Some(clean.iter().zip(&with_fault).filter(|(clean, with_fault)| !**clean && **with_fault).count())
 }
 
-/// The median of what lies between two samples, ticks.
+/// The median interval between two samples, ticks.
 fn usual_interval(delivers: &[bool]) -> Option<usize> {
     let samples: Vec<usize> = samples(delivers).collect();
     let mut intervals: Vec<usize> =
@@ -21,8 +21,8 @@ fn samples(delivers: &[bool]) -> impl Iterator<Item = usize> {
     delivers.iter().enumerate().filter(|(_, delivers)| **delivers).map(|(tick, _)| tick)
 }
 
-/// The ticks of silence: from when a sample was due until it came, if that is later by more than the interval
-/// again and two ticks, by which polls and conversions may be out of step.
+/// The ticks of silence: from when a sample was due until it came, if that is later by more than another
+/// interval plus two ticks, by which polls and conversions may be out of step.
 fn silent(delivers: &[bool], usual: usize) -> Vec<bool> {
     let mut silent = vec![false; delivers.len()];
     let mut due = 0;
@@ -41,7 +41,7 @@ fn silent(delivers: &[bool], usual: usize) -> Vec<bool> {
 mod tests {
     use super::*;
 
-    /// A sample every `every` ticks, but for a stretch.
+    /// A sample every `every` ticks, except in a stretch.
     fn source(len: usize, every: usize, missing: std::ops::Range<usize>) -> Vec<bool> {
         (0..len).map(|tick| tick.is_multiple_of(every) && !missing.contains(&tick)).collect()
     }
@@ -52,7 +52,7 @@ mod tests {
         assert_eq!(ticks(&clean, &clean), Some(0));
         assert_eq!(ticks(&clean, &source(1_000, 4, 100..300)), Some(200));
         assert_eq!(ticks(&source(1_000, 1, 0..0), &source(1_000, 1, 500..521)), Some(21));
-        // To the end, and from the beginning.
+        // Silent to the end, and from the beginning.
         assert_eq!(ticks(&clean, &source(1_000, 4, 800..1_000)), Some(200));
         assert_eq!(ticks(&clean, &source(1_000, 4, 0..400)), Some(400));
     }

@@ -1,16 +1,16 @@
-//! The consequence in words.
+//! The consequence as text.
 
 use std::fmt::{self, Write as _};
 
 use super::{AltitudeDifference, BiasChange, CleanAndFaulty, Consequence, Name};
 
-/// Width of the names on the left.
+/// Width of the name column on the left.
 const NAME: usize = 19;
-/// Silence that is worth a line, seconds: more than a tick.
+/// A silence longer than this gets a line, seconds: more than a tick.
 const SILENCE_S: f64 = 0.0075;
 
 impl fmt::Display for Consequence {
-    /// Lines that each begin with four spaces or more, the first with two.
+    /// Lines indented by four spaces or more, the first by two.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             formatter,
@@ -37,7 +37,7 @@ fn line(lines: &mut String, name: &str, text: &str) -> fmt::Result {
     writeln!(lines, "{}", format!("    {name:<NAME$}{text}").trim_end())
 }
 
-/// A value with the fault, and the other only if it is another.
+/// The value with the fault; the clean value too if it differs.
 fn instead(with_fault: &str, clean: &str) -> String {
     if with_fault == clean {
         format!("{with_fault}, as without the fault")
@@ -50,7 +50,7 @@ fn polls(polls: &CleanAndFaulty<u32>) -> String {
     format!("{} polls failed, {} without the fault", polls.with_fault, polls.clean)
 }
 
-/// As many digits as a millimetre needs, or three of a smaller value.
+/// Millimetre precision; two significant digits for a value that would round to zero.
 fn metres(value_m: f64) -> String {
     if value_m != 0.0 && value_m.abs() < 0.000_5 {
         format!("{value_m:.1e} m")

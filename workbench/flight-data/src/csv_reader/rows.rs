@@ -1,7 +1,7 @@
 //! The rows of a flight's CSV, parsed straight into columns.
 //!
-//! Every cell is a number, so numbers are read where they stand, without cutting the text into cells
-//! first, and the text can be divided at any line end and read in parts.
+//! Every cell is a number, so numbers are read in place, without first cutting the text into cells, and the
+//! text can be divided at any line end and read in parts.
 
 use executor::Executor;
 use fast_float2::FastFloat;
@@ -12,9 +12,10 @@ use super::super::names::Meaning;
 use super::super::{Channel, MAX_TIME_S};
 use super::{count_lines, shorten};
 
-/// Text shorter than this is not worth another part.
+/// Text shorter than this is not divided.
 pub(super) const SHORTEST_PART: usize = 1 << 20;
-/// Receiver times from here on are too coarse in f32 to tell one fix from the next (step 0.125 s).
+/// From this time on, receiver times are too coarse in f32 to distinguish one fix from the next (step 0.125
+/// s).
 const MAX_GPS_TIME_S: f32 = 1_048_576.0;
 
 /// The columns of the file.
@@ -26,9 +27,9 @@ pub(super) struct Layout<'a> {
 /// The rows: their times, and their cells by column (the time axis has an unused column).
 pub(super) type Rows = (Vec<f64>, Vec<Column>);
 
-/// Every row of the text; the first line of it is line `first_row` of the file.
+/// Every row of the text; its first line is line `first_row` of the file.
 ///
-/// The columns are made as long as there are lines, and each part of the text fills its own piece of them.
+/// The columns have as many rows as there are lines, and each part of the text fills its own piece of them.
 pub(super) fn parse_rows(
     text: &[u8],
     layout: &Layout<'_>,
@@ -73,12 +74,12 @@ pub(super) fn parse_rows(
     Ok((time_s, columns.collect()))
 }
 
-/// Rows that a text can hold at most: one a line, and none is shorter than one byte a cell, whatever the
-/// line ends say.
+/// Largest number of rows in a text: one a line, and none is shorter than one byte a cell, whatever the line
+/// ends.
 fn most_rows(text: &[u8], width: usize) -> usize {
     let count = |byte| memchr::memchr_iter(byte, text).count();
     let mut ends = count(b'\n');
-    // A line may end as on old Macs; both together are one end.
+    // A line may end with a carriage return, as on old Macs; with a line feed it is one end.
     let returns = count(b'\r');
     if returns > 0 {
         ends += returns - memchr::memmem::find_iter(text, b"\r\n").count();
@@ -87,7 +88,7 @@ fn most_rows(text: &[u8], width: usize) -> usize {
     lines.min(text.len() / width + 1)
 }
 
-/// Moves what each part has filled of its room together, where lines were blank.
+/// Closes the gaps that blank lines left: moves together the cells that each part has filled of its room.
 fn close_gaps<T: Copy>(cells: &mut Vec<T>, room: &[usize], filled: &[usize]) {
     if cells.is_empty() {
         return;
@@ -124,14 +125,14 @@ enum Piece<'a> {
     Double(&'a mut [f64]),
 }
 
-/// What one part of the text fills: its rows of every column.
+/// The piece of the columns that one part of the text fills: its rows of every column.
 struct Pieces<'a> {
     time_s: &'a mut [f64],
     columns: Vec<Piece<'a>>,
 }
 
 impl<'a> Pieces<'a> {
-    /// Takes the first rows away.
+    /// Takes the first rows off.
     fn split_off(&mut self, rows: usize) -> Pieces<'a> {
         fn first<'a, T>(cells: &mut &'a mut [T], rows: usize) -> &'a mut [T] {
             let whole = std::mem::take(cells);
@@ -168,7 +169,7 @@ pub(super) fn split_at_lines(text: &[u8], parts: usize) -> Vec<&[u8]> {
     split
 }
 
-/// Fills the rows of a part, and says how many there are.
+/// Fills the rows of a part and returns how many there are.
 fn parse_part(text: &[u8], layout: &Layout<'_>, pieces: Pieces<'_>) -> Result<usize, CsvProblem> {
     let width = layout.meanings.len();
     let Pieces { time_s, mut columns } = pieces;
@@ -207,13 +208,13 @@ fn parse_part(text: &[u8], layout: &Layout<'_>, pieces: Pieces<'_>) -> Result<us
     Ok(rows)
 }
 
-/// Puts a value in its place; there is one for every row that is whole.
+/// Stores a value; there is a place for every complete row.
 #[inline]
 fn put<T>(cells: &mut [T], row: usize, value: T) -> bool {
     cells.get_mut(row).map(|cell| *cell = value).is_some()
 }
 
-/// What a number's column demands of it.
+/// What a column requires of its numbers.
 #[inline]
 fn is_possible(meaning: &Meaning, value: f32) -> bool {
     match meaning {
@@ -224,14 +225,14 @@ fn is_possible(meaning: &Meaning, value: f32) -> bool {
     }
 }
 
-/// What a cell holds.
+/// Content of a cell.
 enum Cell<T> {
     Empty,
     Number(T),
     Text,
 }
 
-/// Goes through the text cell by cell.
+/// Walks over the text cell by cell.
 struct Cursor<'a> {
     rest: &'a [u8],
 }
@@ -240,14 +241,14 @@ fn ends_cell(byte: u8) -> bool {
     matches!(byte, b',' | b'\n' | b'\r')
 }
 
-/// The cell that the text begins with.
+/// The cell at the beginning of the text.
 fn first_cell(text: &[u8]) -> &[u8] {
     let end = text.iter().position(|byte| ends_cell(*byte)).unwrap_or(text.len());
     text.get(..end).unwrap_or(text)
 }
 
 impl Cursor<'_> {
-    /// Goes to the next line that is not blank; false at the end of the text.
+    /// Moves to the next line that is not blank; false at the end of the text.
     #[inline]
     fn skip_line_ends(&mut self) -> bool {
         while let [b'\n' | b'\r', rest @ ..] = self.rest {
@@ -256,7 +257,7 @@ impl Cursor<'_> {
         !self.rest.is_empty()
     }
 
-    /// Goes past a comma, if there is one.
+    /// Skips a comma, if there is one.
     #[inline]
     fn comma(&mut self) -> bool {
         match self.rest {
@@ -268,7 +269,7 @@ impl Cursor<'_> {
         }
     }
 
-    /// Goes past a cell, which should hold a number.
+    /// Skips a cell that should hold a number.
     #[inline]
     fn number<T: FastFloat>(&mut self) -> Cell<T> {
         if self.rest.first().is_none_or(|byte| ends_cell(*byte)) {
@@ -298,7 +299,7 @@ impl Cursor<'_> {
     }
 }
 
-/// What is wrong with a row: the number of its cells, or else the cell at `index`, at which `from` begins.
+/// What is wrong with a row: its number of cells, or else the cell at `index`, which begins at `from`.
 fn bad_row(row: u64, text: &[u8], from: &[u8], index: usize, layout: &Layout<'_>) -> CsvProblem {
     let line_end = text.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(text.len());
     let line = text.get(..line_end).unwrap_or(text);
@@ -324,7 +325,7 @@ fn bad_row(row: u64, text: &[u8], from: &[u8], index: usize, layout: &Layout<'_>
 }
 
 impl CsvProblem {
-    /// The same problem of a part whose first line is line `first_row` of the file.
+    /// The same problem, for a part whose first line is line `first_row` of the file.
     fn in_file(mut self, first_row: u64) -> Self {
         if let Self::Cut { row, .. } | Self::TooManyCells { row, .. } | Self::Cell { row, .. } = &mut self {
             *row += first_row - 1;

@@ -6,7 +6,7 @@ use crate::{Channel, Column, MAX_TIME_S, to_writer};
 
 const HEAD: &str = "# pylon-flight: 1\ntime_s,gps_alt_m,baro_pa,launch,flap\n";
 
-/// Reads in that many parts, the last one first.
+/// Reads in this many parts, the last one first.
 struct Parts(usize);
 
 impl Executor for Parts {
@@ -55,7 +55,7 @@ fn reads_header_columns_and_cells() {
     assert_eq!([flight.extra[0].1.get(0), flight.extra[0].1.get(1)], [None, Some(-0.25)]);
 }
 
-/// Line feeds, carriage returns or both: the same flight, as no value of a header may have a line end in it.
+/// Line feeds, carriage returns or both give the same flight: no header value may contain a line end.
 #[test]
 fn any_line_end_ends_a_line_of_the_header_too() {
     let text = "# pylon-flight: 1\n# vehicle: drop model\n# remark\n\ntime_s,gps_alt_m,baro_alt_m\n0,2100.5,2090\n1,2100,2089\n";
@@ -185,7 +185,7 @@ fn rows_are_the_same_however_many_parts_they_are_read_in() {
     }
 }
 
-/// Of every kind and with blank lines between, in a text of several parts.
+/// Values of every kind, with blank lines between, in a text of several parts.
 #[test]
 fn line_ends_make_no_rows_and_lose_none() {
     let rows = 80_000;

@@ -1,13 +1,11 @@
 //! MCAP (<https://mcap.dev/spec>), which Foxglove Studio and ROS tools read.
 //!
-//! One topic a device (`/gps`, `/baro`, `/imu`, ...), one JSON message for every row in which the
-//! device has a new sample; keys are the columns' names, which say the units. A sample that is not a
-//! finite number is null. The flight's header is a metadata record named `pylon-flight`. Chunks are
-//! not compressed.
+//! One topic a device (`/gps`, `/baro`, `/imu`, ...) and one JSON message for every row in which the device
+//! has a new sample. Keys are the column names, which give the units. A sample that is not finite is null.
+//! The flight's header is a metadata record named `pylon-flight`. Chunks are not compressed.
 //!
-//! Where the flight has the position, the fixes are on `/gps/fix` as well, as `foxglove.LocationFix`
-//! (<https://docs.foxglove.dev/docs/visualization/message-schemas/location-fix>), which Foxglove's map
-//! shows.
+//! Where the flight has the position, the fixes are also on `/gps/fix` as `foxglove.LocationFix`
+//! (<https://docs.foxglove.dev/docs/visualization/message-schemas/location-fix>), which Foxglove's map shows.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -19,12 +17,12 @@ use serde_json::{Map, Value, json};
 
 use flight_data::{Channel, Column, Flight};
 
-/// How much was written.
+/// Amount of data written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct McapSummary {
     /// Topics.
     pub topics: usize,
-    /// Messages of all topics.
+    /// Messages on all topics.
     pub messages: u64,
 }
 
@@ -48,16 +46,16 @@ const fn topic(channel: Channel) -> &'static str {
     }
 }
 
-/// Columns of one topic.
+/// The columns of one topic.
 struct Device<'a> {
     channel_id: u16,
     columns: Vec<(&'a str, &'a Column)>,
     sequence: u32,
 }
 
-/// Where the receiver's position goes.
+/// Topic of the receiver's position.
 const FIX_TOPIC: &str = "/gps/fix";
-/// What of `foxglove.LocationFix` is written: its JSON schema, without its descriptions and the covariance.
+/// JSON schema of the written part of `foxglove.LocationFix`, without its descriptions and the covariance.
 const FIX_SCHEMA: &str = r#"{"title":"foxglove.LocationFix","type":"object","properties":{
 "timestamp":{"type":"object","title":"time","properties":{"sec":{"type":"integer","minimum":0},
 "nsec":{"type":"integer","minimum":0,"maximum":999999999}}},
@@ -72,7 +70,7 @@ struct Fixes<'a> {
 }
 
 impl<'a> Fixes<'a> {
-    /// Of a flight that has them.
+    /// The columns of a flight that has them.
     fn of(
         writer: &mut Writer<NoSeek<&mut dyn Write>>,
         flight: &'a Flight,
@@ -102,7 +100,7 @@ impl<'a> Fixes<'a> {
 /// Writes a flight.
 ///
 /// # Errors
-/// Whatever `out` refuses.
+/// Errors of `out`.
 pub fn write(out: &mut dyn Write, flight: &Flight) -> io::Result<McapSummary> {
     write_all(out, flight).map_err(|error| match error {
         McapError::Io(error) => error,
@@ -155,7 +153,7 @@ fn write_all(out: &mut dyn Write, flight: &Flight) -> Result<McapSummary, McapEr
     Ok(summary)
 }
 
-/// A row's cell, as precise as the column is; null for a sample that is no finite number.
+/// A row's cell in the column's precision; null for a sample that is not finite.
 fn cell(column: &Column, row: usize) -> Option<Value> {
     if !column.is_double() {
         return column.get(row).map(number);

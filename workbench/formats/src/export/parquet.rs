@@ -1,9 +1,9 @@
 //! Apache Parquet (<https://parquet.apache.org/docs/file-format/>), which pandas, polars and DuckDB read.
 //!
-//! One row group a flight. `time_s` is a required double, every other column an optional float, of positions
-//! a double: null is an empty cell, NaN a sample that is none. The file's metadata has the flight's header
-//! (`pylon-flight`, `vehicle`, ...) and `pylon-units`, a JSON object of each column's unit. Pages are not
-//! compressed.
+//! One row group a flight. `time_s` is a required double, every other column an optional float (positions: an
+//! optional double). Null is an empty cell, NaN an invalid sample. The file's metadata has the flight's
+//! header (`pylon-flight`, `vehicle`, ...) and `pylon-units`, a JSON object of each column's unit. Pages are
+//! not compressed.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use serde_json::{Map, Value};
 
 use flight_data::{Column, Flight};
 
-/// Endings of columns' names, the longer ones first, and the units that they say.
+/// Endings of column names, longer ones first, and the units that they mean.
 const UNITS: &[(&str, &str)] = &[
     ("_mps2", "m/s^2"),
     ("_radps", "rad/s"),
@@ -32,12 +32,12 @@ const UNITS: &[(&str, &str)] = &[
     ("_s", "s"),
 ];
 
-/// Writes a flight; returns the number of its columns.
+/// Writes a flight and returns its number of columns.
 ///
 /// # Errors
-/// Whatever `out` refuses.
+/// Errors of `out`.
 pub fn write(out: &mut dyn Write, flight: &Flight) -> io::Result<usize> {
-    // The writer wants to be sent between threads, which `out` may not be.
+    // The writer must be sendable between threads, which `out` may not be.
     let (bytes, columns) = bytes(flight).map_err(io::Error::other)?;
     out.write_all(&bytes)?;
     Ok(columns)
@@ -106,7 +106,7 @@ fn metadata(flight: &Flight, columns: &[(&str, &Column)]) -> Vec<KeyValue> {
         .collect()
 }
 
-/// The unit that a column's name says; empty for a number without one, or where the name does not say.
+/// The unit in a column's name; empty for a plain number, or where the name gives none.
 fn unit(name: &str) -> &'static str {
     UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map_or("", |(_, unit)| unit)
 }

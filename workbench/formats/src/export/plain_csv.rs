@@ -1,4 +1,4 @@
-//! CSV for programs that expect the columns' names in the first line: PlotJuggler, spreadsheets.
+//! CSV for programs that expect the column names in the first line: PlotJuggler, spreadsheets.
 
 use std::io::{self, Write};
 
@@ -7,22 +7,22 @@ use flight_data::{Flight, to_writer};
 /// Writes a flight's rows without the header lines of [`flight_data`]'s own CSV; empty cells stay empty.
 ///
 /// # Errors
-/// Whatever `out` refuses.
+/// Errors of `out`.
 pub fn write(out: &mut dyn Write, flight: &Flight) -> io::Result<()> {
     to_writer(&mut WithoutHeader { out, state: State::LineStart }, flight)
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// At the beginning of a line of the head.
+    /// At the beginning of a header line.
     LineStart,
     /// Within a header line.
     Header,
-    /// The head is over.
+    /// After the header.
     Body,
 }
 
-/// Drops the lines at the head that begin with `#`.
+/// Drops the header lines, which begin with `#`.
 struct WithoutHeader<'a> {
     out: &'a mut dyn Write,
     state: State,

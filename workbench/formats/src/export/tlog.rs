@@ -1,13 +1,12 @@
 //! A recording of a telemetry line (`.tlog`), as a ground station makes it.
 //!
-//! The emulated flight computer's line has no clock: a frame is stamped with the time of flight of the last
-//! message before it that has one, which no line brings later than that.
+//! The emulated flight computer's line has no clock. A frame is stamped with the time of flight of the last
+//! message before it that has one; no line delivers it later than that.
 
 use crate::import::tlog::frames;
 
-/// The recording of a line's bytes, for a flight computer that was started at that time (microseconds since
-/// 1970). It ends before the first bytes that are no
-/// frame.
+/// The recording of a line's bytes, for a flight computer started at that time (microseconds since 1970). It
+/// ends before the first bytes that are not a frame.
 #[must_use]
 pub fn recording(line: &[u8], start_us: u64) -> Vec<u8> {
     let mut log = Vec::with_capacity(line.len() + line.len() / 4);

@@ -1,4 +1,4 @@
-//! True airspeed from the calibrated one that autopilots log.
+//! True airspeed from the calibrated airspeed that autopilots log.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
@@ -25,9 +25,9 @@ pub fn true_airspeed_factor(pressure_altitude_m: f64, temperature_c: f64) -> f64
     ((temperature_c + 273.15) / 288.15 / pressure_ratio).sqrt()
 }
 
-/// Puts `tas_mps` in, made of calibrated airspeeds (rows and m/s, in row order) by the standard atmosphere's
-/// density at the pressure altitude, which is held from the last row that has one; at the reference's
-/// altitude without barometer. Says whether there was any.
+/// Adds `tas_mps`, computed from calibrated airspeeds (rows and m/s, in row order) with the standard
+/// atmosphere's density at the pressure altitude, which is held from the last row that has one. Without a
+/// barometer it uses the reference's altitude. Returns whether there were any values.
 pub fn put_true_airspeed(flight: &mut Flight, calibrated: impl IntoIterator<Item = (usize, f64)>) -> bool {
     let altitudes = held_pressure_altitudes(flight);
     let mut column = Column::empty(flight.rows());

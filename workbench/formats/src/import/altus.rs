@@ -1,4 +1,4 @@
-//! AltusMetrum's flight computers (TeleMega, TeleMetrum, EasyMega with a receiver), as AltosUI exports them:
+//! AltusMetrum's flight computers (TeleMega, TeleMetrum, EasyMega with a receiver), as exported by AltosUI:
 //! CSV whose first line begins with `#version`.
 //!
 //! | in the log | in the flight |
@@ -7,10 +7,9 @@
 //! | positions | `gps_vn_mps`, `gps_ve_mps`, by differences |
 //! | `pressure`, `temperature` | `baro_pa`, `baro_temp_c` |
 //! | `state`, `acceleration`, `tilt`, `accel_*`, `gyro_*` | signals `altus_*` in the log's units and axes, which are the board's |
-//! | `altitude` (the first), `height`, `speed` | left out: they are made of the pressure |
+//! | `altitude` (the first), `height`, `speed` | left out: they are computed from the pressure |
 //!
-//! A fix is repeated in every line until the next one; it is taken once, where its time or its position
-//! changes.
+//! A fix is repeated in every line until the next one; it is taken once, where its time or position changes.
 
 use std::collections::BTreeSet;
 
@@ -23,12 +22,12 @@ use super::{ImportError, Importer};
 use crate::import::gps_time::utc_text;
 use flight_data::{Channel, Flight, Header, Note};
 
-/// What the first line begins with.
+/// Beginning of the first line.
 const BEGINNING: &[u8] = b"#version,serial,flight,call,time";
-/// Columns of the receiver, behind which is its altitude.
+/// Columns of the receiver, which its altitude follows.
 const OF_FIX: [&str; 9] =
     ["nsat", "latitude", "longitude", "year", "month", "day", "hour", "minute", "second"];
-/// Columns that are kept as they stand.
+/// Columns that are kept unchanged.
 const SIGNALS: [(&str, &str); 9] = [
     ("state", "altus_state"),
     ("acceleration", "altus_acceleration_mps2"),
@@ -63,14 +62,14 @@ impl Importer for Altus {
 #[derive(Default)]
 struct Lines {
     names: Vec<String>,
-    /// Numbers of each line that could be read; NaN where a cell is none.
+    /// Numbers of each line that could be read; NaN for a cell that is not a number.
     rows: Vec<Vec<f64>>,
-    /// Where in the file each is, from 1.
+    /// Line number of each in the file, from 1.
     places: Vec<usize>,
     unread: usize,
     first_unread: usize,
     vehicle: Option<String>,
-    /// The flight's number, as the flight computer counts.
+    /// The flight's number, as counted by the flight computer.
     number: String,
     state_names: Vec<(f64, String)>,
 }
@@ -116,7 +115,7 @@ impl Lines {
         lines
     }
 
-    /// The column of a name, from a place on.
+    /// The column with that name, searched from an index on.
     fn column(&self, name: &str, from: usize) -> Option<usize> {
         self.names.iter().skip(from).position(|found| found == name).map(|place| place + from)
     }
@@ -126,8 +125,8 @@ impl Lines {
             self.rows.iter().filter_map(|row| row.get(time)).copied().fold(f64::INFINITY, f64::min)
         });
         let stamps_us: Vec<u64> = match self.column("time", 0) {
-            // To the log's hundredth of a second, from zero on; the greatest time that a flight may have is
-            // the most.
+            // Rounded to the log's hundredth of a second, starting at zero, and limited to the greatest time
+            // of a flight.
             Some(time) => {
                 let us = |row: &Vec<f64>| (row.get(time).copied().unwrap_or(0.0) - first_s) * 1e6;
                 self.rows.iter().map(|row| us(row).round().clamp(0.0, 9e15) as u64).collect()
@@ -286,7 +285,7 @@ fn utc_us([year, month, day, hour, minute, second]: [f64; 6]) -> Option<u64> {
 mod tests {
     use super::*;
 
-    /// Ten lines a second, a fix a second; the barometric altitude is none of the receiver's.
+    /// Ten lines a second, a fix a second; the barometric altitude is not the receiver's.
     fn log(seconds: usize) -> String {
         let mut log = "#version,serial,flight,call,time,state,state_name,acceleration,pressure,altitude,height,speed,temperature,\
                        connected,locked,nsat,latitude,longitude,altitude,year,month,day,hour,minute,second,pad_dist\n"
@@ -320,7 +319,7 @@ mod tests {
         assert_eq!(samples(&flight, Channel::BaroPa).len(), 50);
         assert_eq!(samples(&flight, Channel::BaroPa)[1], (0.1, 86_333.0));
         assert_eq!(samples(&flight, Channel::BaroTempC)[0].1, 33.4);
-        // A ten thousandth of a degree of longitude at that latitude.
+        // One ten-thousandth of a degree of longitude at that latitude.
         let east = samples(&flight, Channel::GpsVeMps)[2].1;
         assert!((east - 9.35).abs() < 0.02, "{east}");
         assert_eq!(flight.header.vehicle, "AltusMetrum serial 6583");

@@ -1,42 +1,42 @@
-//! How far the barometer's time is from the receiver's.
+//! Time offset between the barometer and the receiver.
 //!
-//! Both show the same climb. The change of the barometer's altitude over some seconds is correlated with that
-//! of the receiver's, later and earlier; where they agree best is the offset. A barometer that lags and a
-//! clock that is behind look alike, and a receiver has a delay of its own: so the offset is shown and never
-//! applied.
+//! Both record the same climb. The change of the barometer's altitude over some seconds is correlated with
+//! that of the receiver's, shifted later and earlier; the offset is where they agree best. A barometer that
+//! lags and a clock that is behind look the same, and a receiver has a delay of its own. The offset is
+//! therefore reported but never applied.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
 use flight_data::{Channel, Column, Flight};
 
-/// Changes are taken over so long: beyond it a receiver's wander grows, below it its noise does.
+/// Interval of a change, seconds: over longer ones a receiver's wander grows, over shorter ones its noise.
 const OVER_S: f64 = 4.0;
-/// Offsets that are looked for, to either side.
+/// Largest offset that is searched, in both directions, seconds.
 const MOST_S: f64 = 6.0;
-/// From one offset that is tried first to the next.
+/// Step between the offsets that are tried first, seconds.
 const STEP_S: f64 = 0.2;
-/// From the best of those, so many steps of least squares: each leaves a tenth of what is left.
+/// Steps of least squares from the best of those: each leaves a tenth of the remaining error.
 const ROUNDS: usize = 4;
-/// A change's rise is taken over so long to either side: nearer, it would be the noise of the fixes that the
-/// change itself has.
+/// Half interval over which a change's rise is taken, seconds: a shorter one would contain the same noise of
+/// the fixes as the change itself.
 const RISE_S: f64 = 1.0;
-/// Samples that are farther apart than this have nothing between them.
+/// Samples farther apart than this are not interpolated, seconds.
 const GAP_S: f64 = 2.5;
-/// Moments at which both are compared: of a long flight not each fifth of a second.
+/// Moments at which both are compared: in a long flight, fewer than five a second.
 const MOMENTS: f64 = 10_000.0;
-/// Stretches of the flight, whose estimates are independent of each other and say how sure all of them are.
+/// Stretches of the flight, whose independent estimates give the standard error of the whole.
 const BLOCKS: usize = 20;
-/// Of fewer moments nothing is said: twenty seconds of both.
+/// Fewest moments for an estimate: twenty seconds of both.
 const LEAST_MOMENTS: usize = 100;
-/// Below this correlation there is too little climb to tell.
+/// Below this correlation there is too little climb for an estimate.
 const LEAST_CORRELATION: f64 = 0.6;
-/// A standard error above this tells nothing, seconds.
+/// Largest useful standard error, seconds.
 const MOST_SIGMA_S: f64 = 0.5;
 
 /// An offset between the barometer and the receiver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClockOffset {
-    /// So much later than the receiver does the barometer show the same climb, seconds.
+    /// How much later than the receiver the barometer shows the same climb, seconds.
     pub behind_s: f64,
     /// Its standard error, seconds.
     pub sigma_s: f64,
@@ -45,7 +45,7 @@ pub struct ClockOffset {
 }
 
 impl ClockOffset {
-    /// In words.
+    /// The offset as text.
     #[must_use]
     pub fn text(&self) -> String {
         let Self { behind_s, sigma_s, correlation } = *self;
@@ -63,13 +63,13 @@ impl ClockOffset {
 struct Course {
     /// Time and metres.
     points: Vec<(f64, f64)>,
-    /// Places of the points that begin a stretch, but for the first one: a number with every point would be a
+    /// Indices of the points that begin a stretch, except the first one: a number with every point would be a
     /// third of the memory.
     breaks: Vec<usize>,
 }
 
 impl Course {
-    /// Of so many samples in order of time: altitudes, or with `is_rate` climb rates, which are integrated.
+    /// From `count` samples in time order: altitudes, or with `is_rate` climb rates, which are integrated.
     fn new(samples: impl Iterator<Item = (f64, f64)>, count: usize, is_rate: bool) -> Self {
         let mut points: Vec<(f64, f64)> = Vec::with_capacity(count);
         let mut breaks = Vec::new();
@@ -96,17 +96,17 @@ impl Course {
         Self::new(samples, column.samples().count(), is_rate)
     }
 
-    /// Where to begin to walk along it.
+    /// Start of a walk along it.
     const fn walk(&self) -> Walk<'_> {
         Walk { points: self.points.as_slice(), breaks: self.breaks.as_slice(), places: [0; 2] }
     }
 }
 
-/// So many points further on the next moment is looked for, before it is looked for everywhere.
+/// How many points ahead the next moment is searched, before all points are searched.
 const NEAR: usize = 8;
 
-/// Changes at one moment after another: each begins where the last one was found, for there are a hundred
-/// passes over ten thousand moments.
+/// Changes at one moment after another: each search begins where the last one ended, because there are a
+/// hundred passes over ten thousand moments.
 struct Walk<'a> {
     points: &'a [(f64, f64)],
     breaks: &'a [usize],
@@ -115,7 +115,7 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Its change around a moment.
+    /// The change of the altitude around a moment.
     fn change(&mut self, time_s: f64) -> Option<f64> {
         let [from, to] = self.places;
         let from = self.after(time_s - OVER_S / 2.0, from);
@@ -126,7 +126,7 @@ impl Walk<'_> {
         is_one_stretch.then_some(after - before)
     }
 
-    /// The first point after a time, looked for from a place on.
+    /// The first point after a time, searched from an index on.
     fn after(&self, time_s: f64, place: usize) -> usize {
         let is_after = |place: usize| self.points.get(place).is_none_or(|point| point.0 > time_s);
         let is_first =
@@ -136,7 +136,7 @@ impl Walk<'_> {
             .unwrap_or_else(|| self.points.partition_point(|point| point.0 <= time_s))
     }
 
-    /// Which stretch a point is of.
+    /// The stretch of a point.
     fn stretch(&self, place: usize) -> usize {
         self.breaks.partition_point(|start| *start <= place)
     }
@@ -149,7 +149,7 @@ impl Walk<'_> {
     }
 }
 
-/// What the clocks say, if the flight has a barometer and a receiver.
+/// The result as text, if the flight has a barometer and a receiver.
 #[must_use]
 pub fn text(flight: &Flight) -> Option<String> {
     let has =
@@ -166,7 +166,7 @@ pub fn text(flight: &Flight) -> Option<String> {
     })
 }
 
-/// Estimates the offset; none where the flight does not tell.
+/// Estimates the offset; `None` where the flight does not allow it.
 #[must_use]
 pub fn estimate(flight: &Flight) -> Option<ClockOffset> {
     let metres = |value: f32| Some(f64::from(value));
@@ -176,7 +176,7 @@ pub fn estimate(flight: &Flight) -> Option<ClockOffset> {
         (None, None) => return None,
     };
     // A velocity is less noisy than the differences of an altitude; but some logs have none, or one with the
-    // wrong sign. Each is made when its turn has come, so that only one of them is in memory.
+    // wrong sign. The second one is only made if needed, so that only one of them is in memory.
     let by_velocity = flight.channel(Channel::GpsVdMps).and_then(|column| {
         between(&barometer, &Course::of(flight, column, |down| Some(-f64::from(down)), true))
     });
@@ -192,8 +192,8 @@ fn between(barometer: &Course, receiver: &Course) -> Option<ClockOffset> {
     let count = ((last - first) / pace_s) as usize;
     let mut own = barometer.walk();
     let moments: Vec<(f64, f64)> = (0..count)
-        // Between two fixes an altitude has less noise than at one: at even moments the offsets between would
-        // seem the better ones. By the golden ratio they fall everywhere alike.
+        // Between two fixes an altitude has less noise than at one: with evenly spaced moments, the offsets
+        // in between would seem better. The golden ratio spreads the moments evenly over all of these places.
         .map(|k| first + (k as f64 + (k as f64 * 0.618_033_988_75).fract()) * pace_s)
         .filter_map(|time_s| Some((time_s, own.change(time_s)?)))
         .collect();
@@ -209,7 +209,7 @@ fn between(barometer: &Course, receiver: &Course) -> Option<ClockOffset> {
         .collect();
     let (mut shift_s, highest) = tried.iter().copied().max_by(|one, other| one.1.total_cmp(&other.1))?;
     let lowest = tried.iter().map(|tried| tried.1).fold(0.0, f64::min);
-    // A velocity with its sign turned is nowhere as like as it is unlike.
+    // A velocity with the wrong sign has a stronger negative correlation than any positive one.
     if highest < LEAST_CORRELATION || -lowest > highest {
         return None;
     }
@@ -219,7 +219,7 @@ fn between(barometer: &Course, receiver: &Course) -> Option<ClockOffset> {
         shift_s += step.0;
         sigma_s = step.1;
     }
-    // At the edge it may be better beyond.
+    // At the edge, an offset outside the range may be better.
     let is_inside = shift_s.abs() < MOST_S - STEP_S;
     (is_inside && sigma_s <= MOST_SIGMA_S).then_some(ClockOffset {
         behind_s: -shift_s,
@@ -228,8 +228,8 @@ fn between(barometer: &Course, receiver: &Course) -> Option<ClockOffset> {
     })
 }
 
-/// What the residuals move an offset by, by least squares (Gauss and Newton's method), and the standard
-/// error: what each stretch of the flight moves it by, as if they were independent.
+/// Gauss-Newton step of the offset from the residuals, and its standard error, computed from each stretch's
+/// own contribution as if they were independent.
 fn step(moments: &[(f64, f64)], receiver: &Course, shift_s: f64) -> Option<(f64, f64)> {
     let mut walks = [receiver.walk(), receiver.walk(), receiver.walk()];
     let triple = |(time_s, own): &(f64, f64)| {
@@ -277,12 +277,12 @@ impl Line {
 mod tests {
     use super::*;
 
-    /// A flight that climbs and sinks irregularly, with a barometer at 10 Hz that is so late, and fixes at 5
-    /// Hz.
+    /// A flight that climbs and sinks irregularly, with a barometer at 10 Hz that is late by `behind_s`, and
+    /// fixes at 5 Hz.
     fn flight(seconds: u32, climb_mps: f64, behind_s: f64, seed: u32, has_velocity: bool) -> Flight {
         let mut seed = seed;
         let mut noise = || {
-            // Twelve uniform numbers make a normal one, near enough.
+            // The sum of twelve uniform numbers is nearly normal.
             let mut uniform = || {
                 seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 f64::from(seed >> 8) / f64::from(1 << 24) - 0.5
@@ -337,7 +337,7 @@ mod tests {
         assert!(text(&flight(300, 0.0, 1.0, 1, true)).unwrap().contains("too little"));
         assert_eq!(estimate(&Flight::default()), None);
         assert_eq!(text(&Flight::default()), None);
-        // Farther off than is looked for.
+        // Beyond the offsets that are searched.
         assert_eq!(estimate(&flight(300, 2.0, 30.0, 1, true)), None);
     }
 

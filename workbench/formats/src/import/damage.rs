@@ -14,7 +14,7 @@ pub struct Damage {
 }
 
 impl Damage {
-    /// A stretch of so many bytes.
+    /// Adds a stretch of `bytes` bytes.
     pub fn lost(&mut self, at: usize, bytes: usize) {
         if self.stretches == 0 {
             self.first = at;
@@ -23,7 +23,7 @@ impl Damage {
         self.bytes += bytes;
     }
 
-    /// In words, for a log of so many bytes.
+    /// As text, for a log of `len` bytes.
     pub fn notes(&self, len: usize) -> Vec<String> {
         let mut notes = Vec::new();
         if self.stretches > 0 {

@@ -9,13 +9,13 @@ use super::IMPORTERS;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// No importer knows the format.
+    /// No importer recognises the format.
     #[error("not a log of a known format, expected one of: {}", known())]
     UnknownFormat,
     /// It is a flight's CSV.
     #[error("it is a flight already, expected a log of another program")]
     AlreadyFlight,
-    /// A table of numbers that no importer knows.
+    /// A table of numbers that no importer recognises.
     #[error(
         "a table of numbers of no known format: 'pylon import {file} --guess -o mapping.toml' drafts what its columns may be, \
          and 'pylon import {file} --mapping mapping.toml -o flight.csv' reads it by that"
@@ -28,10 +28,10 @@ pub enum ImportError {
     #[cfg(feature = "parquet")]
     #[error(transparent)]
     Parquet(#[from] super::parquet::ParquetError),
-    /// A log of a known maker in which there is no altitude of a receiver.
+    /// A log of a known maker that has no receiver altitude.
     #[error("{what}; there is nothing to compare its barometer with")]
     WithoutReceiver {
-        /// What it is, and what to do.
+        /// What the log is, and what to do.
         what: &'static str,
     },
     /// MCAP of another program.
@@ -40,7 +40,7 @@ pub enum ImportError {
          mean, it does not say"
     )]
     ForeignMcap,
-    /// There is nothing in it.
+    /// The file is empty.
     #[error("an empty file: nothing was recorded")]
     Empty,
     /// A flight record of another version of the format.
@@ -49,9 +49,9 @@ pub enum ImportError {
          checkout that the image was built from"
     )]
     RecordVersion {
-        /// The record's.
+        /// The record's version.
         found: u16,
-        /// This program's.
+        /// This program's version.
         expected: u16,
     },
     /// A flight record without a tick.
@@ -63,11 +63,11 @@ pub enum ImportError {
     NoTick {
         /// Frames that were read.
         frames: usize,
-        /// What is no frame.
+        /// Parts that are not a frame.
         damaged: usize,
-        /// Frames whose content is none.
+        /// Frames whose content is invalid.
         undecodable: usize,
-        /// What the flight computer said of itself, or the reason.
+        /// What the flight computer reported, or the reason.
         said: Option<String>,
     },
     /// A flight record without a fix of the reference.
@@ -78,7 +78,7 @@ pub enum ImportError {
         /// Ticks.
         ticks: usize,
     },
-    /// Not one position with an altitude in a recording of messages.
+    /// A recording of messages without a single position with an altitude.
     #[error(
         "{format} without a 3D fix ({messages} messages read, {unreadable} damaged), expected GPS_RAW_INT or \
          GLOBAL_POSITION_INT"
@@ -88,10 +88,10 @@ pub enum ImportError {
         format: &'static str,
         /// Messages that were read.
         messages: usize,
-        /// Frames that could not be.
+        /// Frames that could not be read.
         unreadable: usize,
     },
-    /// Not one fix with an altitude in an autopilot's own log.
+    /// An autopilot's own log without a single fix with an altitude.
     #[error(
         "{format} without a 3D fix of a receiver ({messages} messages read, {fixes_without} of them of a receiver without \
          one), expected {expected}: there is nothing to compare the barometer with{}",
@@ -102,52 +102,52 @@ pub enum ImportError {
         format: &'static str,
         /// Messages that were read.
         messages: usize,
-        /// Messages of receivers that had no 3D fix.
+        /// Receiver messages without a 3D fix.
         fixes_without: usize,
-        /// What would have been one.
+        /// The message that was expected.
         expected: &'static str,
-        /// What could not be read, in words: the fixes may have been in it.
+        /// What could not be read, as text: the fixes may have been in it.
         lost: Vec<String>,
     },
-    /// A column whose sign is to be turned, and that is not there.
+    /// A column whose sign was to be reversed, but which does not exist.
     #[error("no column {name} in this flight, expected one of its velocities to turn")]
     NothingToTurn {
         /// The column.
         name: String,
     },
-    /// An altitude to be converted that is not there.
+    /// An altitude that was to be converted, but does not exist.
     #[error(
         "no altitude {name} in this flight, expected one of its altitudes (such as gps_alt_m) to convert"
     )]
     NoSuchAltitude {
-        /// What was given.
+        /// The name that was given.
         name: String,
     },
-    /// An altitude to be converted that is measured from something else.
+    /// An altitude that was to be converted, but has another datum.
     #[error(
         "{name} is measured {is}, expected an altitude above the ellipsoid to convert to one above mean sea level"
     )]
     NotAboveEllipsoid {
         /// The column.
         name: String,
-        /// What it is measured from, in words.
+        /// What it is measured from, as text.
         is: &'static str,
     },
-    /// Several files in one.
+    /// An archive of several files.
     #[error("a {kind}: unpack it, and give the log that is in it")]
     Packed {
-        /// What kind of archive.
+        /// Kind of archive.
         kind: &'static str,
     },
-    /// A MATLAB file, which holds whatever its user put into it.
+    /// A MATLAB file, whose content its user defines.
     #[error(
         "a MATLAB file (.mat), which pylon does not read: save its table as CSV (in MATLAB: writetable or writetimetable), and import that with --guess"
     )]
     Matlab,
-    /// Text of two bytes a letter.
+    /// Text with two bytes a character.
     #[error("text in UTF-16, expected UTF-8: save it as UTF-8 (iconv -f UTF-16 -t UTF-8) and import that")]
     Utf16,
-    /// Not one fix with an altitude.
+    /// No fix with an altitude.
     #[error(
         "{format} log without a usable fix ({fixes} fixes without altitude, {corrupt} unreadable lines), expected at least one"
     )]
@@ -161,10 +161,10 @@ pub enum ImportError {
     },
 }
 
-/// Why bytes are no flight; displays as one line, without the file's name.
+/// Why bytes are not a flight; displays as one line, without the file's name.
 #[derive(Debug, Error)]
 pub enum OpenError {
-    /// It is no flight's CSV, or one with an error in it.
+    /// It is not a flight's CSV, or one with an error.
     #[error(transparent)]
     Csv(#[from] CsvProblem),
     /// A log of another format that could not be imported.

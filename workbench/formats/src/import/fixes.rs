@@ -3,13 +3,13 @@
 use super::table::{Destination, Filling, Samples};
 use flight_data::Channel;
 
-/// A receiver's time that is farther from the autopilot's clock than the others are, is damaged.
+/// A receiver's time is damaged if it is farther from the autopilot's clock than the others by this.
 const FAR_US: u64 = 5_000_000;
 
-/// A 3D fix; what it lacks is NaN.
+/// A 3D fix; a missing value is NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct Fix {
-    /// Which of the log's stamps it has.
+    /// Index of its stamp among the log's.
     pub stamp: u32,
     /// Its time by the receiver's clock.
     pub time_us: Option<u64>,
@@ -24,7 +24,7 @@ pub struct Fix {
 }
 
 impl Fix {
-    /// Whether this is that fix once more.
+    /// Whether this is the same fix again.
     fn repeats(&self, other: &Self) -> bool {
         let numbers = |fix: &Self| {
             let [north, east, down] = fix.velocity_mps;
@@ -41,12 +41,12 @@ pub struct Fixes {
     pub fixes: Vec<Fix>,
     /// Messages that repeated the fix before them.
     pub repeated: usize,
-    /// Microseconds of the receiver's clock at zero of the log's.
+    /// The receiver's clock at zero of the log's, microseconds.
     pub epoch_us: Option<i64>,
 }
 
 impl Fixes {
-    /// Of a receiver's messages with a 3D fix. `times_us` has the time of each stamp that is believed.
+    /// From a receiver's messages with a 3D fix. `times_us` has the time of each accepted stamp.
     pub fn new(messages: impl IntoIterator<Item = Fix>, times_us: &[Option<u64>]) -> Self {
         let mut fixes: Vec<Fix> = Vec::new();
         let mut repeated = 0;
@@ -92,8 +92,9 @@ impl Fixes {
         ]
     }
 
-    /// Seconds of each fix by the receiver's clock since its first; none for a time that the clocks
-    /// contradict, or that is that of the fix before, as of receivers that count whole seconds.
+    /// Seconds of each fix by the receiver's clock since its first. A fix is left out if the clocks
+    /// contradict its time, or if it has the time of the fix before, as with receivers that count whole
+    /// seconds.
     fn times_s(&self, times_us: &[Option<u64>]) -> Vec<(u32, f32)> {
         let believed = |fix: &Fix| {
             let expected_us = self.epoch_us?.checked_add_unsigned(time(fix, times_us)?)?;

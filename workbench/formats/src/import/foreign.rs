@@ -1,14 +1,13 @@
-//! Logs of other makers that are known for what they are, and of which nothing can be made here: there is no
-//! altitude of a receiver in them.
+//! Recognised logs of other makers that cannot be imported: they have no receiver altitude.
 
-/// Bits of a record's kind in a CATS log that number the sensor.
+/// Bits of a record's kind in a CATS log that give the sensor's number.
 const SENSOR: u32 = 0xf;
-/// So many records in a row are no chance.
+/// This many records in a row are not a coincidence.
 const LEAST_RECORDS: usize = 16;
-/// The version that a CATS log begins with is no longer.
+/// Longest version text at the beginning of a CATS log.
 const LONGEST_VERSION: usize = 48;
 
-/// What a log without a receiver's altitude is, if it is one of those that are known, and what to do.
+/// Describes a recognised log without a receiver's altitude, and what to do.
 pub fn without_receiver(log: &[u8]) -> Option<&'static str> {
     if is_cats(log) {
         return Some(
@@ -21,8 +20,8 @@ pub fn without_receiver(log: &[u8]) -> Option<&'static str> {
     )
 }
 
-/// A CATS log (`.cfl`): the firmware's version, a zero, and records of a time, a kind and what that kind has,
-/// without a check (<https://github.com/catsystems/cats-embedded>, `flash/recorder.hpp`).
+/// A CATS log (`.cfl`): the firmware's version, a zero, and records of a time, a kind and the data of that
+/// kind, without a checksum (<https://github.com/catsystems/cats-embedded>, `flash/recorder.hpp`).
 fn is_cats(log: &[u8]) -> bool {
     let head = log.get(..LONGEST_VERSION).unwrap_or(log);
     let Some(end) = head.iter().position(|byte| *byte == 0) else { return false };
@@ -51,8 +50,8 @@ fn is_cats(log: &[u8]) -> bool {
     true
 }
 
-/// Its low-rate and high-rate tables, as the app exports them; with a receiver's column beside them they are
-/// a table like others.
+/// Blue Raven's low-rate and high-rate tables, as exported by the app; with a column of a receiver they are
+/// ordinary tables.
 fn is_blue_raven(log: &[u8]) -> bool {
     let line = log.split(|byte| matches!(byte, b'\n' | b'\r')).next().unwrap_or_default();
     let has = |name: &[u8]| memchr::memmem::find(line, name).is_some();
@@ -73,7 +72,7 @@ mod tests {
             cats.resize(cats.len() + length, 7);
         }
         assert!(without_receiver(&cats).is_some_and(|what| what.contains("CATS")));
-        // One record that is none.
+        // One invalid record.
         cats[6 + 4] = 0;
         assert_eq!(without_receiver(&cats), None);
         let names = "Year,Month,Day,Time,Flight_Time_(s),Sync,Temperature_(F),Baro_Press_(atm),Baro_Altitude_ASL_(feet)";

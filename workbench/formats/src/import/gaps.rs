@@ -1,17 +1,17 @@
-//! Stretches of which a log has nothing.
+//! Stretches without data in a log.
 
 use flight_data::{Flight, Note};
 
 use super::damage::percent;
 
-/// A gap is as long as so many of the log's usual steps: of such a one it is not known any more where the
-/// vehicle went (the same as `GAP_BLOCKS` blocks of `FIXES_A_BLOCK` fixes in `replay::airborne`).
+/// A gap is at least this many of the log's usual steps: after one, it is no longer known where the vehicle
+/// went (the same as `GAP_BLOCKS` blocks of `FIXES_A_BLOCK` fixes in `replay::airborne`).
 const STEPS: f64 = 10.0;
-/// And as long as this, seconds: a logger of hundreds of rows a second that pauses for one has lost nothing
-/// of a flight.
+/// A gap is also at least this long, seconds: a logger of hundreds of rows a second that pauses for one has
+/// lost nothing of a flight.
 const LEAST_S: f64 = 10.0;
 
-/// What is to be said of a flight's gaps: how much is missing, and where the longest is.
+/// The note on a flight's gaps: how much is missing, and where the longest is.
 pub fn note(flight: &Flight) -> Option<Note> {
     let mut steps_s: Vec<f64> = Vec::with_capacity(flight.rows());
     let first_s = flight.time_s.first().copied()?;

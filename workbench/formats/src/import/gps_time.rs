@@ -1,9 +1,9 @@
-//! The receiver's time: weeks since 1980-01-06, without leap seconds.
+//! GPS time: weeks since 1980-01-06, without leap seconds.
 
-/// Seconds from 1970 to GPS time's first.
+/// Seconds from 1970 to the start of GPS time.
 const GPS_EPOCH_S: i64 = 315_964_800;
-/// UTC seconds since 1970 from which GPS time is so many seconds ahead of UTC (IERS, Bulletin C; none since
-/// 2017).
+/// UTC seconds since 1970, and the seconds that GPS time is ahead of UTC from then on (IERS, Bulletin C; none
+/// since 2017).
 const LEAP_SECONDS: [(i64, i64); 7] = [
     (1_483_228_800, 18),
     (1_435_708_800, 17),
@@ -14,22 +14,22 @@ const LEAP_SECONDS: [(i64, i64); 7] = [
     (0, 12),
 ];
 
-/// Microseconds of GPS time of a week and its milliseconds; `None` for what no receiver says.
+/// GPS time in microseconds from a week and its milliseconds; `None` for values that no receiver reports.
 pub fn gps_us(week: f64, week_ms: f64) -> Option<u64> {
     let is_whole = |value: f64, most: f64| value.is_finite() && (0.0..most).contains(&value);
-    // Ten-bit weeks have been extended by the autopilot; one of 0 is a receiver that does not know yet.
+    // The autopilot has extended ten-bit weeks; week 0 means that the receiver does not know the time yet.
     (is_whole(week, 10_000.0) && week >= 1.0 && is_whole(week_ms, 604_800_000.0))
         .then(|| week as u64 * 604_800_000_000 + week_ms as u64 * 1_000)
 }
 
-/// Seconds of UTC since 1970 at that GPS time.
+/// UTC seconds since 1970 at that GPS time.
 pub fn utc_s(gps_us: i64) -> i64 {
     let s = gps_us.div_euclid(1_000_000) + GPS_EPOCH_S;
     let ahead = LEAP_SECONDS.iter().find(|(from_s, ahead)| s - ahead >= *from_s);
     s - ahead.map_or(0, |(_, ahead)| *ahead)
 }
 
-/// A UTC time as files have it; `None` beyond the calendar.
+/// A UTC time as text for files; `None` beyond the calendar.
 pub fn utc_text(utc_s: i64) -> Option<String> {
     let utc = time::UtcDateTime::from_unix_timestamp(utc_s).ok()?;
     let (date, (hour, minute, second)) = (utc.date(), utc.as_hms());
@@ -43,12 +43,12 @@ mod tests {
 
     #[test]
     fn known_moments_come_out() {
-        // The second of the week in which 2017's leap second was over: 2017-01-01T00:00:00Z is week 1930, 18
+        // The second of the week at which 2017's leap second was over: 2017-01-01T00:00:00Z is week 1930, 18
         // s into Sunday.
         let at = |week, ms| utc_text(utc_s(gps_us(week, ms).unwrap() as i64)).unwrap();
         assert_eq!(at(1930.0, 18_000.0), "2017-01-01T00:00:00Z");
         assert_eq!(at(1930.0, 16_000.0), "2016-12-31T23:59:59Z");
-        // A flight of 2013, when 16 s had been inserted.
+        // A flight of 2013, when 16 leap seconds had been inserted.
         assert_eq!(at(1769.0, 130_040_903.0), "2013-12-02T12:07:04Z");
         assert_eq!(gps_us(0.0, 5.0), None);
         assert_eq!(gps_us(1930.0, 604_800_000.0), None);

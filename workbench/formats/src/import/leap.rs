@@ -1,19 +1,19 @@
-//! A flight's clock that leaps by days, after which comes no flight, or that goes back.
+//! Handles a flight's clock that leaps by days, or that goes back.
 
 use flight_data::{Channel, Column, Flight, Note};
 
-/// From one row to the next, seconds. The longest flights of aircraft with crews take less than three days,
-/// and none is silent for one.
+/// Longest step from one row to the next, seconds. The longest flights of aircraft with crews take less than
+/// three days, and none of them is silent for one.
 const LEAP_S: f64 = 86_400.0;
-/// So many rows after one decide whether it is ahead of them, most of them that is: those of `stamps.rs`.
+/// Number of rows after one that decide by majority whether it is ahead of them: as in `stamps.rs`.
 const WITNESSES: usize = 16;
-/// Rows within this, beside what so many rows take, belong together, seconds.
+/// Rows within this, plus the usual time of that many rows, belong together, seconds.
 const TOGETHER_S: f64 = 60.0;
 
-/// Leaves out the rows that are more than a day after the last one before them that is not, and those that
-/// are ahead of the rows after them, which go on from the row before; says so.
+/// Leaves out rows that are more than a day after the last row kept before them, and rows that are ahead of
+/// the rows after them, which continue from the row before. Returns notes on both.
 ///
-/// A flight whose first row is alone before the leap begins after it.
+/// If only the first row is before the leap, the flight begins after it.
 pub fn leave_out(flight: &mut Flight) -> Vec<Note> {
     let (Some(first), Some(second)) = (flight.time_s.first().copied(), flight.time_s.get(1).copied()) else {
         return Vec::new();
@@ -72,7 +72,7 @@ pub fn leave_out(flight: &mut Flight) -> Vec<Note> {
     notes
 }
 
-/// Whether most of the rows after one go on from the time before it.
+/// Whether most of the rows after one continue from the time before it.
 fn is_alone(times_s: &[f64], row: usize, before_s: f64, near_s: f64) -> bool {
     let after = times_s.get(row + 1..).unwrap_or_default();
     let after = after.get(..WITNESSES.min(after.len())).unwrap_or_default();
@@ -88,7 +88,7 @@ fn usual_step_s(times_s: &[f64]) -> f64 {
     if steps.is_empty() { 0.0 } else { *steps.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// What is to be said of rows that do not come after all before them.
+/// Note on rows that are earlier than one before them.
 pub fn backward(flight: &Flight) -> Option<Note> {
     let mut latest = f64::NEG_INFINITY;
     let mut first = None;

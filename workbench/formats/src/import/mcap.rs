@@ -1,7 +1,7 @@
-//! MCAP that `pylon export` wrote, as the flight that it was.
+//! Reads MCAP written by `pylon export` back as the original flight.
 //!
-//! Every topic's JSON messages have the flight's columns as keys; messages of one time are one row. What is
-//! no finite number was written as null, and is read as NaN; rows without a sample were not written.
+//! Every topic's JSON messages have the flight's columns as keys; messages of the same time are one row. A
+//! value that is not finite was written as null, and is read as NaN; rows without a sample were not written.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,7 @@ use super::own_header::{own_header, put_column};
 use super::{ImportError, Importer};
 use flight_data::{Column, Flight, Header, MAX_TIME_S, Note};
 
-/// What every MCAP begins with.
+/// First bytes of every MCAP file.
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// The importer of MCAP.
@@ -55,11 +55,11 @@ impl Importer for Mcap {
     }
 }
 
-/// Goes through the records (<https://mcap.dev/spec>): a byte that says what it is, its length in eight
-/// bytes, and so many bytes. The crate's own readers subtract without looking where a damaged chunk's lengths
+/// Walks over the records (<https://mcap.dev/spec>): a byte that gives the kind, the length in eight bytes,
+/// and that many bytes. The crate's own readers subtract without checking if a damaged chunk's lengths
 /// contradict each other.
 ///
-/// What cannot be read goes to `damage`.
+/// What cannot be read is added to `damage`.
 fn records(mut bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Record<'_>)) {
     while let Some((head, rest)) = bytes.split_first_chunk::<9>() {
         let [kind, length @ ..] = *head;
@@ -69,7 +69,7 @@ fn records(mut bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Reco
             return;
         };
         bytes = rest;
-        // Nothing else is of use, and the crate panics on an attachment that is shorter than its own head.
+        // Other records are not needed, and the crate panics on an attachment shorter than its own header.
         if !matches!(kind, op::METADATA | op::CHUNK | op::MESSAGE | op::DATA_END) {
             continue;
         }
@@ -85,19 +85,19 @@ fn records(mut bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Reco
     }
 }
 
-/// A text, behind its length in four bytes; and what follows it.
+/// A text, preceded by its length in four bytes; and the bytes after it.
 fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     let (length, rest) = bytes.split_first_chunk()?;
     rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)
 }
 
-/// Whether the texts of a record are within it: the crate takes room for what they say before it looks.
+/// Whether the texts of a record are within it: the crate allocates the given length before it checks.
 fn has_its_texts(kind: u8, body: &[u8]) -> bool {
     /// Bytes of a chunk before the name of its compression.
     const CHUNK_HEAD: usize = 28;
     match kind {
         op::METADATA => text(body).and_then(|(_, rest)| text(rest)).is_some_and(|(mut pairs, _)| {
-            // A key without a value would have one read from what follows.
+            // For a key without a value, the crate would read one from the bytes that follow.
             while let Some((_, rest)) = text(pairs).and_then(|(_, value)| text(value)) {
                 pairs = rest;
             }
@@ -108,8 +108,8 @@ fn has_its_texts(kind: u8, body: &[u8]) -> bool {
     }
 }
 
-/// As [`records`], of a whole file, whose chunks hold most of them. A chunk with a wrong checksum is left
-/// out.
+/// As [`records`], for a whole file, most of whose records are in chunks. A chunk with a wrong checksum is
+/// left out.
 fn all_records(bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Record<'_>)) {
     let mut of_chunks = Vec::new();
     records(bytes, damage, &mut |record| match record {
@@ -121,7 +121,7 @@ fn all_records(bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Reco
             if expected != 0 && expected != Crc::<u32>::new(&CRC_32_ISO_HDLC).checksum(&data) {
                 of_chunks.push(format!("a chunk of {} bytes has a wrong checksum", data.len()));
             } else {
-                // Chunks are not within chunks.
+                // Chunks do not contain chunks.
                 records(&data, &mut of_chunks, take);
             }
         }
@@ -134,9 +134,9 @@ fn all_records(bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Reco
 struct Reader {
     header: Option<Header>,
     time_s: Vec<f64>,
-    /// Of each column the rows that have a cell.
+    /// For each column, the rows that have a cell.
     cells: BTreeMap<String, Vec<(usize, f64)>>,
-    /// The columns that the newest row has.
+    /// The columns of the newest row.
     in_row: BTreeSet<String>,
     messages: usize,
     unread: usize,
@@ -161,7 +161,7 @@ impl Reader {
     }
 
     fn row(&mut self, time_s: f64, cells: &serde_json::Map<String, Value>) {
-        // A `foxglove.LocationFix` says once more what the columns say.
+        // A `foxglove.LocationFix` only repeats the columns.
         if cells.get("frame_id").is_some_and(Value::is_string) {
             return;
         }
@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(crate::import::testing::written(&exported()), FLIGHT);
     }
 
-    /// Found by fuzzing: a header of 39 bytes whose text was of 2.3 GB, for which there was room made.
+    /// Found by fuzzing: a header of 39 bytes that declared a text of 2.3 GB, for which memory was allocated.
     #[test]
     fn no_room_is_made_for_texts_that_are_not_there() {
         let said = |kind: u8, body: &[u8]| {

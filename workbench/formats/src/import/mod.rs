@@ -1,7 +1,7 @@
-//! Logs of other programs as flights.
+//! Imports logs of other programs as flights.
 //!
-//! Formats are detected from content, never from the name. An importer turns what it finds into
-//! [`flight_data`]'s units and axes and says in [`Note`]s what it inferred, left out or could not read.
+//! Formats are detected from content, never from the name. An importer converts what it finds to
+//! [`flight_data`]'s units and axes, and reports in [`Note`]s what it inferred, left out or could not read.
 
 mod airspeed;
 #[cfg(feature = "altus")]
@@ -53,23 +53,23 @@ pub use error::{ImportError, OpenError};
 
 /// One kind of log.
 pub trait Importer: Sync {
-    /// What users call the kind.
+    /// The kind's name for the user.
     fn name(&self) -> &'static str;
 
-    /// Whether these bytes look like the beginning of such a log. Cheap, and never wrong about a
+    /// Whether these bytes look like the beginning of such a log. The check is cheap, and never accepts a
     /// flight's CSV.
     fn recognises(&self, log: &[u8]) -> bool;
 
-    /// The flight that is in the log.
+    /// The flight in the log.
     ///
     /// # Errors
-    /// [`ImportError`] if nothing of use is left after everything unreadable.
+    /// [`ImportError`] if nothing useful is left after everything unreadable.
     fn import(&self, log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError>;
 }
 
-/// Every importer. Those whose beginning is the surest are asked first. The record is asked before the tlog:
-/// its frames have a check of 32 bits, and a MAVLink frame, whose check has 16, may be found in any long
-/// file.
+/// Every importer. The ones with the most reliable detection come first. The record comes before the tlog:
+/// its frames have a checksum of 32 bits, while a MAVLink frame, whose checksum has 16, may be found in any
+/// long file.
 pub static IMPORTERS: &[&dyn Importer] = &[
     #[cfg(feature = "ulog")]
     &ulog::Ulog,
@@ -101,27 +101,27 @@ pub fn import(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
     Ok((flight, notes))
 }
 
-/// What a user corrects of a log, by the columns' names.
+/// A user's corrections of a log, by column name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Corrections {
-    /// Velocities whose sign is turned.
+    /// Velocities whose sign is reversed.
     pub turned: Vec<String>,
-    /// Altitudes above the ellipsoid that are converted.
+    /// Altitudes above the ellipsoid that are converted to mean sea level.
     pub to_msl: Vec<to_msl::ToMsl>,
 }
 
 impl Corrections {
-    /// Whether there is none.
+    /// Whether there are no corrections.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.turned.is_empty() && self.to_msl.is_empty()
     }
 }
 
-/// Corrects columns, by their names, and says what contradicts what.
+/// Corrects columns, by their names, and reports contradictions between columns.
 ///
 /// # Errors
-/// [`ImportError::NothingToTurn`] for a column that the flight does not have; as [`to_msl::to_msl`].
+/// [`ImportError::NothingToTurn`] for a column that the flight does not have; else as [`to_msl::to_msl`].
 pub fn correct_and_check(
     flight: &mut Flight,
     notes: &mut Vec<Note>,
@@ -140,7 +140,7 @@ pub fn correct_and_check(
     Ok(())
 }
 
-/// Imports a log without what [`correct_and_check`] does: the checks need memory of their own, and no byte of
+/// Imports a log without the steps of [`correct_and_check`]: these checks need memory of their own, but not
 /// the log.
 ///
 /// # Errors
@@ -163,7 +163,7 @@ pub fn as_logged(log: &[u8]) -> Result<(Flight, Vec<Note>), ImportError> {
     }
 }
 
-/// What kind of archive this is, by its first bytes.
+/// The kind of archive, by its first bytes.
 fn archive(log: &[u8]) -> Option<&'static str> {
     const KINDS: [(&[u8], &str); 4] = [
         (b"PK\x03\x04", "ZIP archive"),
@@ -179,8 +179,8 @@ fn is_matlab(log: &[u8]) -> bool {
     [&b"MATLAB 5.0 MAT-file"[..], b"MATLAB 7.3 MAT-file"].iter().any(|text| log.starts_with(text))
 }
 
-/// Text of two bytes a letter, as some programs of Windows save it: by its mark, or by zeros in every other
-/// place.
+/// Text with two bytes a character, as some Windows programs save it: detected by its mark, or by zeros in
+/// every other byte.
 fn is_utf16(log: &[u8]) -> bool {
     let head = log.get(..64).unwrap_or(log);
     let (even, odd): (Vec<_>, Vec<_>) = head.iter().enumerate().partition(|(place, _)| place % 2 == 0);
@@ -194,12 +194,12 @@ fn is_utf16(log: &[u8]) -> bool {
                 || (all(&even, is_zero) && all(&odd, is_letter))))
 }
 
-/// A flight from the bytes of its CSV, or of any log that can be imported. A long CSV is read in as many
-/// parts as the executor can do at a time. `name` is the file's, for advice.
+/// Reads a flight from the bytes of its CSV, or of any log that can be imported. A long CSV is read in as
+/// many parts as the executor can do at a time. `name` is the file's, for advice in messages.
 ///
 /// # Errors
 /// As [`flight_data::parse`] for a CSV, as [`import`] for a log; [`flight_data::CsvProblem::NoVersion`] for
-/// what is neither.
+/// anything else.
 pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight, Vec<Note>), OpenError> {
     let is_csv = is_flight(bytes);
     if !is_csv && is_log(bytes) {
@@ -242,7 +242,7 @@ fn open_csv(bytes: &[u8], executor: &dyn Executor) -> Result<(Flight, Vec<Note>)
     Ok((flight, notes))
 }
 
-/// A flight's CSV, corrected.
+/// Reads a flight's CSV and corrects it.
 ///
 /// # Errors
 /// As [`flight_data::parse`] and [`correct_and_check`].
@@ -256,7 +256,7 @@ pub fn corrected(
     Ok((flight, notes))
 }
 
-/// What kind of log or flight this is, of those that [`open`] reads, in the words of who has it.
+/// Kind of log or flight, among those that [`open`] reads, as named for the user.
 #[must_use]
 pub fn format_name(bytes: &[u8]) -> &'static str {
     match IMPORTERS.iter().find(|importer| importer.recognises(bytes)) {
@@ -265,7 +265,7 @@ pub fn format_name(bytes: &[u8]) -> &'static str {
     }
 }
 
-/// Whether [`open`] knows how to read this: a flight's CSV or a log, by what is in it.
+/// Whether [`open`] can read this: a flight's CSV or a log, detected from its content.
 #[must_use]
 pub fn is_known(bytes: &[u8]) -> bool {
     is_flight(bytes) || is_log(bytes)
@@ -275,7 +275,7 @@ fn is_log(bytes: &[u8]) -> bool {
     IMPORTERS.iter().any(|importer| importer.recognises(bytes))
 }
 
-/// Whether the beginning may be text: without a zero, and nearly all of it UTF-8.
+/// Whether the beginning may be text: without a zero byte, and nearly all of it UTF-8.
 fn is_text(bytes: &[u8]) -> bool {
     let head = bytes.get(..4_096).unwrap_or(bytes);
     let lost =
@@ -283,14 +283,14 @@ fn is_text(bytes: &[u8]) -> bool {
     !head.contains(&0) && lost * 20 <= head.len()
 }
 
-/// Whether the beginning has the names that every flight has: what is missing then is the flight's own first
-/// line.
+/// Whether the beginning has the names that every flight has: then only the flight's own first line is
+/// missing.
 fn has_flights_names(bytes: &[u8]) -> bool {
     let head = bytes.get(..4_096).unwrap_or(bytes);
     [&b"time_s"[..], b"gps_alt_m"].iter().all(|name| memchr::memmem::find(head, name).is_some())
 }
 
-/// Whether this is a flight's CSV: it begins with header lines, one of which says so.
+/// Whether this is a flight's CSV: it begins with header lines, one of which marks it as a flight.
 #[must_use]
 pub fn is_flight(bytes: &[u8]) -> bool {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();

@@ -1,10 +1,10 @@
-//! A flight's header and columns, as Pylon writes them into other programs' formats; a damaged file may have
-//! others.
+//! A flight's header and columns as Pylon writes them into other programs' formats; in a damaged file they
+//! may be invalid.
 
 use flight_data::{AltitudeDatum, Channel, Column, Flight, Header, Note, unit_slip};
 
-/// The header that these keys say, in their order. A damaged file may have line ends where a flight's header
-/// can have none.
+/// The header with these keys, in their order. In a damaged file they may contain line ends, which a flight's
+/// header cannot.
 pub fn own_header(keys: impl IntoIterator<Item = (String, String)>) -> Header {
     let clean = |text: String| text.replace(['\n', '\r'], " ");
     let mut header = Header::default();
@@ -23,13 +23,13 @@ pub fn own_header(keys: impl IntoIterator<Item = (String, String)>) -> Header {
     header
 }
 
-/// Puts a column in under its name, which may be damaged: with one that a flight's CSV cannot have, or has
-/// already, it is left out and said.
+/// Adds a column under its name. In a damaged file the name may be one that a flight's CSV cannot have, or
+/// that exists already: then the column is left out and a note returned.
 pub fn put_column(flight: &mut Flight, name: &str, column: Column) -> Option<Note> {
     let has =
         |name: &str| name == "time_s" || flight.channels.iter().any(|(channel, _)| channel.name() == name);
     let is_taken = has(name) || flight.extra.iter().any(|(other, _)| other == name);
-    // Beside the known column itself one in another unit is a signal, and the known ones come first.
+    // Beside the known column, one in another unit is a signal; the known columns come first.
     let is_slip = unit_slip(name).is_some_and(|known| !has(known));
     let is_name = !name.is_empty() && name.trim() == name && !name.contains(char::is_control);
     if !is_name || is_taken || is_slip {

@@ -1,8 +1,8 @@
-//! Units of a mapping, and what they are in Pylon's.
+//! Units of a mapping, and their conversion to Pylon's.
 
 use flight_data::Channel;
 
-/// What a column measures.
+/// The quantity that a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// In metres.
@@ -29,16 +29,16 @@ pub enum Quantity {
     Count,
 }
 
-/// A unit: a value is `factor` times that in Pylon's unit, and `offset` more.
+/// A unit: a value in Pylon's unit is `factor` times the value in this one, plus `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
     /// Its name in mapping files.
     pub name: &'static str,
-    /// Of what.
+    /// Its quantity.
     pub quantity: Quantity,
     /// In Pylon's unit.
     pub factor: f64,
-    /// Added after the factor.
+    /// Offset added after the factor.
     pub offset: f64,
     /// Other spellings, in lower case and without spaces.
     spellings: &'static [&'static str],
@@ -59,7 +59,7 @@ pub const GRAVITY: f64 = 9.806_65;
 const FOOT: f64 = 0.304_8;
 const KNOT: f64 = 1_852.0 / 3_600.0;
 
-/// Every unit; of each quantity Pylon's own first.
+/// Every unit; for each quantity, Pylon's own comes first.
 pub const UNITS: &[Unit] = &[
     unit(Quantity::Length, "m", 1.0, &["meter", "meters", "metre", "metres"]),
     unit(Quantity::Length, "ft", FOOT, &["feet", "foot"]),
@@ -128,8 +128,7 @@ pub const UNITS: &[Unit] = &[
 ];
 
 impl Quantity {
-    /// What a destination of that name holds; `None` for a signal of one's own, which has whatever unit it
-    /// has.
+    /// The quantity of a destination of that name; `None` for a separate signal, whose unit is not converted.
     pub fn of(destination: &str) -> Option<Self> {
         if matches!(destination, "latitude_deg" | "longitude_deg") {
             return Some(Self::Position);
@@ -170,7 +169,7 @@ impl Quantity {
     }
 }
 
-/// Between which bounds a destination's values are in any flight, in its own unit.
+/// Bounds of a destination's values in any plausible flight, in its own unit.
 pub fn plausible(destination: &str) -> Option<(f64, f64)> {
     Some(match Quantity::of(destination)? {
         Quantity::Pressure => (500.0, 120_000.0),

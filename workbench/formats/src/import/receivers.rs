@@ -1,24 +1,24 @@
-//! Several receivers in one log: one is the reference, the others are signals beside it.
+//! Several receivers in one log: one is the reference, the others are kept as signals.
 //!
-//! An altitude of two receivers is no mean of both: their errors are largely the same, and one that jumps
-//! would pull the other. So one is used as it stands, and what the others say is kept under names of their
-//! own, with how far they are from it.
+//! The altitudes of two receivers are not averaged: their errors are largely the same, and one that jumps
+//! would disturb the other. So one is used unchanged, and the others are kept under names of their own, with
+//! their distance from it.
 
 use super::fixes::{Fix, Fixes};
 use super::table::{Destination, Filling, Samples};
 
-/// Between fixes of the receiver that is used that are farther apart nothing is compared: what it would have
-/// said is not known.
+/// Largest distance between fixes of the reference for a comparison: in longer gaps its altitude is not
+/// known.
 const APART_US: u64 = 2_000_000;
-/// Of fewer fixes at common times nothing is said.
+/// Fewest fixes at common times for a comparison.
 const LEAST_COMMON: usize = 5;
 
 /// A receiver that is not the reference.
 #[derive(Clone, Debug)]
 pub struct Other {
-    /// What the log calls it.
+    /// Its name in the log.
     pub name: String,
-    /// Its number as users count, from 1.
+    /// Its number for the user, from 1.
     pub number: usize,
     /// Its fixes.
     pub fixes: Fixes,
@@ -43,7 +43,7 @@ impl Other {
         ]
     }
 
-    /// What is to be said of it beside the receiver that is used.
+    /// The note on it, compared with the receiver that is used.
     pub fn sentence(&self, used: (&str, &Fixes), times_us: &[Option<u64>]) -> String {
         let altitudes = |fixes: &Fixes| -> Vec<(u64, f64)> {
             let timed =
@@ -55,7 +55,7 @@ impl Other {
     }
 }
 
-/// What is to be said of a receiver beside the one that is used: names, fixes as times in microseconds and
+/// The note on a receiver, compared with the one that is used: names, and fixes as times in microseconds and
 /// altitudes in metres.
 pub fn sentence(used: (&str, &mut [(u64, f64)]), other: (&str, usize, &[(u64, f64)])) -> String {
     let (used_name, used) = used;
@@ -79,7 +79,7 @@ pub fn sentence(used: (&str, &mut [(u64, f64)]), other: (&str, usize, &[(u64, f6
     )
 }
 
-/// The altitude between the fixes around a time.
+/// The altitude at a time, interpolated between the fixes around it.
 fn at(fixes: &[(u64, f64)], time_us: u64) -> Option<f64> {
     let next = fixes.partition_point(|(fix_us, _)| *fix_us < time_us);
     let (after_us, after_m) = *fixes.get(next)?;
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_second_receiver_is_compared_at_its_own_times() {
-        // A climb of 2 m/s; the second is half a second later and 3 m higher, and once 40 m.
+        // A climb of 2 m/s; the second receiver is half a second later and 3 m higher, and once 40 m.
         let mut used: Vec<(u64, f64)> = (0..100).map(|k| (k * 1_000_000, 2.0 * k as f64)).collect();
         let other: Vec<(u64, f64)> = (0..100)
             .map(|k| (k * 1_000_000 + 500_000, 2.0 * k as f64 + 1.0 + if k == 50 { 40.0 } else { 3.0 }))
@@ -112,7 +112,7 @@ mod tests {
         ] {
             assert!(said.contains(words), "{said}");
         }
-        // In a gap of the reference there is nothing to compare with.
+        // In a gap of the reference there is no comparison.
         let mut gap = [(0, 0.0), (60_000_000, 120.0)];
         assert!(sentence(("GPS", &mut gap), ("GPS2", 2, &other)).contains("too few"));
     }

@@ -1,22 +1,22 @@
-//! Whether a flight's velocities agree with what they are the derivatives of.
+//! Checks whether a flight's velocities agree with the positions whose derivatives they are.
 //!
-//! Some autopilots wrote the climb rate with the sign turned. Over windows of some seconds the change of a
-//! position is compared with the integral of its velocity; a velocity whose integral runs against the
-//! position is said, and turned only by name.
+//! Some autopilots wrote the climb rate with the wrong sign. Over windows of some seconds, the change of a
+//! position is compared with the integral of its velocity. A velocity whose integral runs against the
+//! position is reported; its sign is reversed only if the user names it.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
 use flight_data::{Channel, Column, Flight, Note};
 
-/// Windows are so long that a receiver's noise of a metre is small beside the path of a climb at some m/s,
-/// and so short that its wander over minutes is not in them.
+/// Length of a window, seconds: long enough that a receiver's noise of a metre is small compared with the
+/// path of a climb at some m/s, and short enough to exclude its wander over minutes.
 const WINDOW_S: f64 = 5.0;
-/// A window's samples are not farther from each other than this.
+/// Largest distance between a window's samples, seconds.
 const GAP_S: f64 = 2.5;
-/// How many sigmas a correlation is beyond chance, by Fisher's transformation: 5 leave 3 in 10 million to
-/// chance.
+/// Sigmas by which a correlation must exceed chance, by Fisher's transformation: the probability of 5 is 3 in
+/// 10 million.
 const SIGMAS: f64 = 5.0;
-/// Metres of a degree of latitude.
+/// Length of a degree of latitude, metres.
 pub(super) const DEGREE_M: f64 = 111_195.0;
 
 /// A velocity that runs against its position.
@@ -24,15 +24,15 @@ pub(super) const DEGREE_M: f64 = 111_195.0;
 pub struct Contradiction {
     /// The velocity's column.
     pub velocity: String,
-    /// The position's.
+    /// The position's column.
     pub position: String,
     /// Correlation of the position's change with the velocity's integral, which is negative.
     pub correlation: f64,
-    /// Windows that it is over.
+    /// Number of windows in the correlation.
     pub windows: usize,
 }
 
-/// What is a velocity, and of what: columns, and the position's change for one of the velocity's metres.
+/// A velocity and its position: columns, and the position's change for one metre of the velocity's integral.
 struct Pair {
     velocity: &'static str,
     positions: &'static [&'static str],
@@ -57,7 +57,7 @@ fn column<'a>(flight: &'a Flight, name: &str) -> Option<&'a Column> {
         .or_else(|| flight.extra.iter().find_map(|(found, column)| (found == name).then_some(column)))
 }
 
-/// A column's samples in order of time, positions in metres but for a constant.
+/// A column's samples in time order; positions in metres, up to a constant.
 fn samples(flight: &Flight, name: &str) -> Vec<(f64, f64)> {
     let Some(column) = column(flight, name) else { return Vec::new() };
     let latitude_deg = self::column(flight, "latitude_deg").and_then(|latitudes| latitudes.samples().next());
@@ -76,9 +76,9 @@ fn samples(flight: &Flight, name: &str) -> Vec<(f64, f64)> {
     timed
 }
 
-/// The integral of a velocity and the change of a position over each window that both fill. Samples are in
-/// order of time; of others, or of times too great for seconds to be told apart, what comes after the first
-/// such is not looked at.
+/// The integral of a velocity and the change of a position over each window in which both have samples.
+/// Samples are expected in time order. Where they are not, or where times are too great to resolve seconds,
+/// the rest is ignored.
 pub(super) fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut found = Vec::new();
     let Some((mut start_s, _)) = velocity.first().copied() else { return found };
@@ -88,8 +88,8 @@ pub(super) fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(
         let until_s = start_s + WINDOW_S;
         let first = velocity.partition_point(|sample| sample.0 < start_s);
         let last = velocity.partition_point(|sample| sample.0 <= until_s);
-        // Each window has a sample more than those before it: the next one is not farther off than a gap, or
-        // the window begins there.
+        // Each window has a sample more than those before it: the next sample is not farther away than a gap,
+        // or the window begins there.
         if last <= looked_at {
             break;
         }
@@ -107,7 +107,7 @@ pub(super) fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(
             };
             found.push((inside.windows(2).map(area).sum(), to - from));
         }
-        // The next one begins where there is a sample again.
+        // The next one begins at the next sample.
         start_s = match velocity.get(last) {
             Some(next) if next.0 > until_s + GAP_S => next.0,
             _ => until_s,
@@ -116,7 +116,7 @@ pub(super) fn windows(velocity: &[(f64, f64)], position: &[(f64, f64)]) -> Vec<(
     found
 }
 
-/// A position at a time, between the samples around it.
+/// A position at a time, interpolated between the samples around it.
 fn at(position: &[(f64, f64)], time_s: f64) -> Option<f64> {
     let next = position.partition_point(|sample| sample.0 < time_s);
     let after = position.get(next);
@@ -130,7 +130,7 @@ fn at(position: &[(f64, f64)], time_s: f64) -> Option<f64> {
     }
 }
 
-/// Correlation of the two of each pair; 0 where one of them does not change.
+/// Correlation of the two in each pair; 0 if one of them does not change.
 pub(super) fn correlation(windows: &[(f64, f64)]) -> f64 {
     let n = windows.len() as f64;
     let mean = |pick: fn(&(f64, f64)) -> f64| windows.iter().map(pick).sum::<f64>() / n;
@@ -157,8 +157,8 @@ pub fn contradictions(flight: &Flight) -> Vec<Contradiction> {
         let mut windows = windows(&velocity, &samples(flight, name));
         windows.iter_mut().for_each(|(integral, _)| *integral *= pair.sense);
         let (correlation, count) = (correlation(&windows), windows.len());
-        // The correlation of n pairs out of nothing has a sigma of one over the root of n - 3, after that
-        // transformation.
+        // After that transformation, the correlation of n unrelated pairs has a sigma of one over the root of
+        // n - 3.
         let sigmas =
             correlation.clamp(-0.999_999, 0.999_999).atanh() * (count.saturating_sub(3) as f64).sqrt();
         if sigmas < -SIGMAS {
@@ -173,7 +173,7 @@ pub fn contradictions(flight: &Flight) -> Vec<Contradiction> {
     found
 }
 
-/// What is to be said of a flight's velocities.
+/// Notes on a flight's velocities.
 pub fn notes(flight: &Flight) -> Vec<Note> {
     contradictions(flight)
         .into_iter()
@@ -187,7 +187,7 @@ pub fn notes(flight: &Flight) -> Vec<Note> {
         .collect()
 }
 
-/// Turns the sign of a column; says whether the flight has it.
+/// Reverses the sign of a column; returns whether the flight has it.
 pub fn turn(flight: &mut Flight, name: &str) -> bool {
     let turned = column(flight, name).map(|column| {
         let mut turned = Column::with_capacity(column.len());
@@ -210,7 +210,7 @@ pub fn turn(flight: &mut Flight, name: &str) -> bool {
     true
 }
 
-/// Velocities that [`turn`] is for.
+/// Velocities for which [`turn`] is intended.
 pub fn names() -> impl Iterator<Item = &'static str> {
     PAIRS.iter().map(|pair| pair.velocity)
 }
@@ -219,8 +219,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 mod tests {
     use super::*;
 
-    /// A flight that climbs and sinks by a sine of 60 s, with noise in its altitude; its vd is right times
-    /// `sign`.
+    /// A flight that climbs and sinks by a sine of 60 s, with noise in its altitude; its vd is the right one
+    /// times `sign`.
     fn flight(seconds: usize, amplitude_mps: f64, sign: f64) -> Flight {
         let mut flight = Flight::default();
         let (mut altitude, mut down, mut latitude) =
@@ -247,7 +247,7 @@ mod tests {
         flight
     }
 
-    /// A damaged clock may say anything; the windows of five seconds up to there would be looked for for
+    /// A damaged clock may give any time; searching all windows of five seconds up to that time would take
     /// years.
     #[test]
     fn times_that_are_none_end_the_windows() {
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn nothing_is_said_of_what_shows_nothing() {
-        // Level flight, and a flight too short for chance to be ruled out.
+        // Level flight, and a flight too short to exclude chance.
         assert_eq!(contradictions(&flight(300, 0.0, -1.0)), []);
         assert_eq!(contradictions(&flight(20, 2.0, -1.0)), []);
         assert_eq!(contradictions(&Flight::default()), []);

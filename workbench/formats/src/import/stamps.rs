@@ -1,35 +1,35 @@
-//! Which times of a log are to be believed.
+//! Decides which times of a log are accepted.
 //!
-//! A logger's clock runs forward, and most logs have no check of single messages: one flipped bit gives a
-//! message a time of years from now, or of some seconds ago. Such a time contradicts those of the messages
-//! around it, before and after.
+//! A logger's clock runs forward, and most logs have no checksum for single messages: one flipped bit makes a
+//! message's time years late, or some seconds early. Such a time contradicts those of the messages around it,
+//! before and after.
 
 use super::damage::percent;
 
-/// The stamp of a message that has none.
+/// Stamp of a message without a time.
 pub const NO_TIME: u64 = u64::MAX;
-/// Messages of one logger are written in a slightly other order than their times, by at most this.
+/// Largest time by which a logger's messages may be written out of order, microseconds.
 const DISORDER_US: u64 = 1_000_000;
-/// A clock that goes back by more, and stays there, has started anew.
+/// A clock that goes back by more, and stays there, has restarted, microseconds.
 const RESTART_US: u64 = 5_000_000;
-/// A logger writes many messages a second. One that is farther from every other one than this has a wrong
-/// time.
+/// A logger writes many messages a second. A time farther than this from every other one is wrong,
+/// microseconds.
 const LONELY_US: u64 = 5_000_000;
-/// From one message to the next, for which the times above are.
+/// Usual interval between messages for which the times above hold, microseconds.
 const BRISK_US: u64 = 200_000;
-/// So many stamps on either side decide whether a clock has started anew, most of them that is.
+/// Number of stamps on either side that decide by majority whether a clock has restarted.
 const WITNESSES: usize = 16;
-/// Stamps of one run that are so near to each other belong together, for the witnesses.
+/// Stamps of one run within this belong together, for the witnesses, microseconds.
 const TOGETHER_US: u64 = 60_000_000;
 
-/// What was found.
+/// The result of the judgement.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Judged {
-    /// Whether each stamp is to be believed.
+    /// Whether each stamp is accepted.
     believed: Vec<bool>,
-    /// Places of the stamps that contradict those around them, in order.
+    /// Indices of the stamps that contradict those around them, in order.
     contradicting: Vec<usize>,
-    /// How often the clock started anew. Only stamps of the longest run are believed.
+    /// How often the clock restarted. Only stamps of the longest run are accepted.
     restarts: usize,
     /// Stamps of the other runs.
     of_other_runs: usize,
@@ -61,16 +61,16 @@ fn judge(stamps_us: &[u64]) -> Judged {
 /// A log's times.
 #[derive(Clone, Debug, Default)]
 pub struct Believed {
-    /// The time of each stamp that is believed, microseconds.
+    /// The time of each accepted stamp, microseconds.
     pub times_us: Vec<Option<u64>>,
-    /// What was left out, in words.
+    /// Notes on what was left out.
     pub notes: Vec<String>,
-    /// Stamps that are one.
+    /// Number of stamps that have a time.
     pub stamped: usize,
 }
 
-/// Which of a log's stamps are to be believed. `groups` are the stamps of each kind of message, in the log's
-/// order; `described` says where in the file a stamp is.
+/// Decides which of a log's stamps are accepted. `groups` are the stamps of each kind of message, in the
+/// log's order; `described` gives a stamp's place in the file.
 pub fn believe<'a>(
     stamps_us: &[u64],
     groups: impl Iterator<Item = &'a [u32]>,
@@ -79,8 +79,8 @@ pub fn believe<'a>(
     believe_paced(stamps_us, 0, groups, described)
 }
 
-/// As [`believe`], for a log whose usual time from one row to the next is `pace_us`: of one that writes a row
-/// a minute, a gap of five seconds says nothing.
+/// As [`believe`], for a log with a usual interval of `pace_us` between rows: in a log with a row a minute, a
+/// gap of five seconds means nothing.
 pub fn believe_paced<'a>(
     stamps_us: &[u64],
     pace_us: u64,
@@ -129,8 +129,8 @@ pub fn believe_paced<'a>(
     Believed { times_us, notes, stamped: known.len() }
 }
 
-/// Takes away the times of messages of one kind that go back: a logger writes those of one kind in order.
-/// `stamps` says which of `times_us` they have. Returns which were taken away.
+/// Removes the times of messages of one kind that go back: a logger writes those of one kind in order.
+/// `stamps` are their indices in `times_us`. Returns the removed ones.
 fn leave_out_of_order(stamps: &[u32], times_us: &mut [Option<u64>]) -> Vec<usize> {
     let timed = |stamp: &u32| Some((*stamp as usize, times_us.get(*stamp as usize).copied().flatten()?));
     let found: Vec<(usize, u64)> = stamps.iter().filter_map(timed).collect();
@@ -154,8 +154,8 @@ fn leave_out_of_order(stamps: &[u32], times_us: &mut [Option<u64>]) -> Vec<usize
     left_out
 }
 
-/// The stamps that contradict those around them, in a recording whose clock may have been set anew on the
-/// way: every run counts.
+/// The stamps that contradict those around them, in a recording whose clock may have been reset: every run
+/// counts.
 pub fn contradicting_of_runs(stamps_us: &[u64]) -> Vec<usize> {
     let starts = starts(stamps_us);
     let ends = starts.iter().skip(1).copied().chain([stamps_us.len()]);
@@ -168,7 +168,7 @@ pub fn contradicting_of_runs(stamps_us: &[u64]) -> Vec<usize> {
     .collect()
 }
 
-/// Where runs of the clock begin.
+/// Indices at which runs of the clock begin.
 fn starts(stamps_us: &[u64]) -> Vec<usize> {
     let mut starts = if stamps_us.is_empty() { Vec::new() } else { vec![0] };
     for (index, pair) in stamps_us.windows(2).enumerate() {
@@ -194,7 +194,7 @@ fn starts(stamps_us: &[u64]) -> Vec<usize> {
     starts
 }
 
-/// The stamps of one run that do not fit in with the others.
+/// The stamps of one run that do not agree with the others.
 fn contradicting(run: &[u64]) -> Vec<usize> {
     let is_forward = |pair: &[u64]| matches!(pair, [a, b] if a <= b && b - a <= LONELY_US);
     if run.windows(2).all(is_forward) {
@@ -217,7 +217,7 @@ fn contradicting(run: &[u64]) -> Vec<usize> {
             other.is_some_and(|(_, other)| other.abs_diff(*stamp) <= LONELY_US)
         };
         let before = index.checked_sub(1).and_then(|before| chain.get(before));
-        // Alone in the log it has nothing to contradict.
+        // The only stamp of a log has nothing to contradict.
         if chain.len() > 1
             && !near(before)
             && !near(chain.get(index + 1))
@@ -246,9 +246,9 @@ fn contradicting(run: &[u64]) -> Vec<usize> {
     found
 }
 
-/// Places of a longest run of values that never goes back, by patience sorting.
+/// Indices of a longest non-decreasing subsequence, by patience sorting.
 fn longest_ascending(values: &[u64]) -> Vec<usize> {
-    // The place of the smallest last value of a chain of each length.
+    // Index of the smallest last value of a chain of each length.
     let mut tails: Vec<usize> = Vec::new();
     let mut before = vec![usize::MAX; values.len()];
     for (place, value) in values.iter().enumerate() {
@@ -294,8 +294,7 @@ mod tests {
                 if is_inner || off > LONELY_US {
                     assert_eq!(judged.contradicting, [place], "bit {bit} of {place}");
                 } else {
-                    // At an end of the log, some seconds off: it may be the one beside it that is wrong, or
-                    // none.
+                    // At an end of the log, some seconds off: the adjacent one may be the wrong one, or none.
                     let (found, count) = (&judged.contradicting, judged.contradicting.len());
                     assert!(count <= 1 && found.iter().all(|at| at.abs_diff(place) <= 1), "{place} {bit}");
                 }

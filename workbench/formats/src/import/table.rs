@@ -1,10 +1,10 @@
-//! Messages of a log as the rows of a flight: one row a time, one column a value.
+//! Turns the messages of a log into the rows of a flight: one row a time, one column a value.
 
 use std::collections::BTreeSet;
 
 use flight_data::{Channel, Column, Flight, Header};
 
-/// Where a value of a message goes.
+/// Destination of a message's value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Destination {
     /// A known column.
@@ -14,30 +14,30 @@ pub enum Destination {
 }
 
 impl Destination {
-    /// A signal's.
+    /// The destination of a signal.
     pub fn signal(name: impl Into<String>) -> Self {
         Self::Signal(name.into())
     }
 }
 
-/// The messages of one kind from one source. Each has the same values; one that is NaN is not there.
+/// The messages of one kind from one source. Each has the same values; NaN means that the value is missing.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
     /// Values a message.
     width: usize,
-    /// Which of the log's stamps each message has.
+    /// Index of each message's stamp in the log.
     stamps: Vec<u32>,
     /// The messages' values, one message after the other.
     values: Vec<f32>,
 }
 
 impl Group {
-    /// Without messages yet, each to have so many values.
+    /// Without messages yet; each message will have `width` values.
     pub const fn new(width: usize) -> Self {
         Self { width, stamps: Vec::new(), values: Vec::new() }
     }
 
-    /// Adds a message; values that it lacks are NaN.
+    /// Adds a message; its missing values are NaN.
     pub fn push(&mut self, stamp: u32, values: impl IntoIterator<Item = f32>) {
         self.stamps.push(stamp);
         let end = self.values.len() + self.width;
@@ -45,31 +45,31 @@ impl Group {
         self.values.resize(end, f32::NAN);
     }
 
-    /// How many messages there are.
+    /// Number of messages.
     pub fn len(&self) -> usize {
         self.stamps.len()
     }
 
-    /// Which of the log's stamps each message has, in the log's order.
+    /// Index of each message's stamp in the log, in the log's order.
     pub fn stamps(&self) -> &[u32] {
         &self.stamps
     }
 
-    /// The values in one place of the messages, with their stamps.
+    /// The values at one index of the messages, with their stamps.
     pub fn column(&self, place: usize) -> impl Iterator<Item = (u32, f32)> + '_ {
         let values = self.values.iter().skip(place).step_by(self.width.max(1));
         self.stamps.iter().copied().zip(values.copied()).filter(move |_| place < self.width)
     }
 }
 
-/// Stamps with values; NaN is no value.
+/// Values with their stamps; NaN is a missing value.
 #[derive(Clone, Debug)]
 pub enum Samples<'a> {
-    /// Made for this column.
+    /// Values made for this column.
     Own(Vec<(u32, f32)>),
-    /// The same, positions.
+    /// The same, for positions.
     Double(Vec<(u32, f64)>),
-    /// A group's values in one place, where they are.
+    /// A group's values at one index, without a copy.
     Of(&'a Group, usize),
 }
 
@@ -96,35 +96,35 @@ impl Samples<'_> {
     }
 }
 
-/// One column to be filled.
+/// A column to be filled.
 #[derive(Clone, Debug)]
 pub struct Filling<'a> {
-    /// Where it goes.
+    /// Its destination.
     pub destination: Destination,
-    /// What is in it.
+    /// Its values.
     pub samples: Samples<'a>,
 }
 
 impl<'a> Filling<'a> {
-    /// Of a group's values in one place.
+    /// A column of a group's values at one index.
     pub const fn of(destination: Destination, group: &'a Group, place: usize) -> Self {
         Self { destination, samples: Samples::Of(group, place) }
     }
 }
 
-/// Columns put together, and what that cost.
+/// The assembled columns, and what was lost.
 pub struct Table {
     /// The flight.
     pub flight: Flight,
-    /// Values that share their column and time with a later one, which counts.
+    /// Values replaced by a later one with the same column and time.
     pub repeated: usize,
-    /// Signals that were given twice; the first counts.
+    /// Signals that were given twice; the first is used.
     pub doubled: Vec<String>,
     /// Microseconds of the log's clock at the flight's time zero.
     pub start_us: u64,
 }
 
-/// The row of a stamp that has none.
+/// Row of a stamp that has none.
 const NO_ROW: u32 = u32::MAX;
 
 /// The row of each stamp that is used. Messages mostly come in order, so most rows are the next one.
@@ -142,8 +142,8 @@ fn rows_of(times_us: &[Option<u64>], is_used: &[bool], rows_us: &[u64]) -> Vec<u
     times_us.iter().zip(is_used).map(of).map(|row| row.unwrap_or(NO_ROW)).collect()
 }
 
-/// Puts columns together. `times_us` has the time of each stamp, or none for a stamp that is not to be
-/// believed; what has such a stamp is left out.
+/// Assembles columns into a flight. `times_us` has the time of each stamp, `None` for a stamp that is not
+/// accepted; values with such a stamp are left out.
 pub fn assemble(header: Header, times_us: &[Option<u64>], fillings: Vec<Filling<'_>>) -> Table {
     let mut is_used = vec![false; times_us.len()];
     for filling in &fillings {

@@ -1,14 +1,14 @@
-//! What tests of importers share: an imported log's parts, and damage that costs one message and no more.
+//! Shared by importers' tests: parts of an imported log, and damage that costs one message and no more.
 
 use flight_data::{Channel, Flight};
 
-/// The flight, and what was said of it.
+/// The flight and its notes.
 pub fn import(log: &[u8]) -> (Flight, Vec<String>) {
     let (flight, notes) = super::import(log).unwrap();
     (flight, notes.iter().map(|note| note.text().to_owned()).collect())
 }
 
-/// The flight in a log about which nothing is said, as Pylon's own CSV.
+/// The flight in a log that gives no notes, as Pylon's own CSV.
 pub fn written(log: &[u8]) -> String {
     let (flight, notes) = super::import(log).unwrap();
     assert_eq!(notes, []);
@@ -17,7 +17,7 @@ pub fn written(log: &[u8]) -> String {
     String::from_utf8(written).unwrap()
 }
 
-/// A channel's samples; none if it is missing.
+/// A channel's samples; empty if it is missing.
 pub fn samples(flight: &Flight, channel: Channel) -> Vec<f32> {
     flight.channel(channel).map_or_else(Vec::new, |column| column.samples().map(|(_, value)| value).collect())
 }
@@ -34,12 +34,12 @@ pub fn doubles(flight: &Flight, name: &str) -> Vec<f64> {
     found.map_or_else(Vec::new, |(_, column)| column.samples_f64().map(|(_, value)| value).collect())
 }
 
-/// Whether a note has these words.
+/// Whether a note contains these words.
 pub fn said(notes: &[String], words: &str) -> bool {
     notes.iter().any(|note| note.contains(words))
 }
 
-/// Channels begin with these samples, and have so many.
+/// Checks the first sample of each channel and its number of samples.
 pub fn assert_channels(flight: &Flight, expected: &[(Channel, usize, f32)]) {
     for &(channel, count, first) in expected {
         let found = samples(flight, channel);
@@ -48,8 +48,8 @@ pub fn assert_channels(flight: &Flight, expected: &[(Channel, usize, f32)]) {
     }
 }
 
-/// Cost and message of damage, for each byte of a log whose messages begin at `places`, and whose data begin
-/// at `first`: pressures about 950 hPa.
+/// Flips bits in each byte of a log and checks that this costs at most the damaged message. `places` gives
+/// the message at a byte; data begin at `first`: pressures about 950 hPa.
 pub fn assert_any_byte_costs_its_message(
     log: &[u8],
     places: impl Fn(usize) -> (usize, String),
@@ -70,8 +70,7 @@ pub fn assert_any_byte_costs_its_message(
             }
             let (start, name) = places(at);
             let what = format!("byte {} of {name} ^ {flip:#x}", at - start);
-            // The last message of all has none behind it; one within seconds of the others' times may be its
-            // own.
+            // No message follows the last one; a time within seconds of the others may be its own.
             assert!(flight.time_s.last().unwrap() - clean.time_s.last().unwrap() <= 5.0, "{what}");
             let found = samples(&flight, Channel::BaroPa);
             assert!(found.len() + 2 >= all, "{what}: {} of {all}", found.len());
@@ -81,7 +80,7 @@ pub fn assert_any_byte_costs_its_message(
     }
 }
 
-/// Bytes that are nothing, between two messages: named, and nothing else is lost.
+/// Meaningless bytes between two messages are reported, and nothing else is lost.
 pub fn assert_garbage_costs_nothing_else(log: &[u8], at: usize, garbage: &[u8]) {
     let clean = import(log).0;
     let mut bytes = log.to_vec();
@@ -93,7 +92,7 @@ pub fn assert_garbage_costs_nothing_else(log: &[u8], at: usize, garbage: &[u8]) 
     assert!(said(&notes, &words) && said(&notes, &format!("the first at byte {at}")), "{notes:?}");
 }
 
-/// So many bytes of no meaning, always the same.
+/// `count` meaningless bytes, always the same.
 pub fn garbage(count: u32) -> Vec<u8> {
     (0..count).map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8).collect()
 }

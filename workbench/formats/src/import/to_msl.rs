@@ -1,4 +1,5 @@
-//! An altitude above the ellipsoid as one above mean sea level, by the geoid's height that a user gives.
+//! Converts an altitude above the ellipsoid to one above mean sea level, with the geoid height given by the
+//! user.
 
 use std::str::FromStr;
 
@@ -6,8 +7,8 @@ use flight_data::{AltitudeDatum, Channel, Column, Flight, is_altitude};
 
 use super::error::ImportError;
 
-/// Heights of the geoid above the WGS-84 ellipsoid, metres: EGM2008 has -107 m south of India and 86 m by New
-/// Guinea.
+/// Range of the geoid's height above the WGS-84 ellipsoid, metres: EGM2008 has -107 m south of India and 86 m
+/// by New Guinea.
 const GEOID_HEIGHTS_M: std::ops::RangeInclusive<f64> = -108.0..=87.0;
 
 /// A column to convert: `COLUMN=METRES`.
@@ -15,7 +16,7 @@ const GEOID_HEIGHTS_M: std::ops::RangeInclusive<f64> = -108.0..=87.0;
 pub struct ToMsl {
     /// The altitude's column.
     pub column: String,
-    /// How high the geoid is above the ellipsoid there, metres.
+    /// Height of the geoid above the ellipsoid there, metres.
     pub geoid_height_m: f64,
 }
 
@@ -38,7 +39,7 @@ impl FromStr for ToMsl {
     }
 }
 
-/// Converts a column, and says so in the header.
+/// Converts a column, and records it in the header.
 ///
 /// # Errors
 /// [`ImportError::NoSuchAltitude`] without the column; [`ImportError::NotAboveEllipsoid`] if it is not above
@@ -63,7 +64,7 @@ pub fn to_msl(flight: &mut Flight, conversion: &ToMsl) -> Result<(), ImportError
         converted.push(column.get(row).map(|metres| (f64::from(metres) - geoid_height_m) as f32));
     }
     *column = converted;
-    // What the flight's datum said of the others is theirs.
+    // The flight's own datum still applies to the other columns.
     if name == Channel::GpsAltM.name() {
         let known = flight.channels.iter().map(|(channel, _)| channel.name().to_owned());
         let others: Vec<String> = known.chain(flight.extra.iter().map(|(name, _)| name.clone())).collect();

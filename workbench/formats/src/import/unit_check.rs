@@ -1,7 +1,7 @@
-//! Whether a column's values can be in the unit that its name says.
+//! Checks whether a column's values can be in the unit that its name states.
 //!
-//! A pressure of 950 Pa is a pressure of 950 hPa that somebody wrote down without a thought of its name.
-//! Nothing is converted here: what contradicts is said, with the unit that would fit.
+//! A pressure of 950 Pa is really 950 hPa under the wrong name. Nothing is converted here: contradictions are
+//! reported, with the unit that would fit.
 
 use flight_data::{Channel, Column, Flight, Note};
 use kf_core::atmosphere::pressure_altitude_m;
@@ -9,31 +9,31 @@ use kf_core::atmosphere::pressure_altitude_m;
 use super::quantity::{Quantity, Unit, plausible};
 use super::signs;
 
-/// Of fewer samples nothing is said.
+/// Least number of samples for a report.
 const LEAST_SAMPLES: usize = 20;
-/// No aircraft flies for most of its time where there is less.
+/// Lowest plausible pressure, Pa: no aircraft spends most of a flight at less.
 const LEAST_PA: f64 = 2_000.0;
-/// Over less than this two altitudes do not tell how many metres one of them counts for a metre of the other.
+/// Least range of both altitudes, metres: over less, their scales cannot be compared.
 const RANGE_M: f64 = 30.0;
-/// Two altitudes that follow each other less closely are compared by nobody.
+/// Least correlation of two altitudes that are compared.
 const CORRELATION: f64 = 0.98;
-/// So many fixes are compared at most.
+/// Largest number of fixes that are compared.
 const MOST_PAIRS: usize = 2_000;
-/// A barometer's sample is no farther from a fix than this.
+/// Largest time between a barometer's sample and a fix, seconds.
 const NEAR_S: f64 = 1.0;
-/// The rows beside a fix that are searched for one: a logger writes some hundred a second.
+/// Rows beside a fix that are searched for a sample: a logger writes some hundred a second.
 const NEAR_ROWS: usize = 500;
-/// So far a barometer's metre may be from a real one, in air that is far from the standard's temperature.
+/// Largest relative error of a barometer's metre, in air that is far from the standard's temperature.
 const METRE: f64 = 0.12;
 
-/// What is to be said.
+/// Notes on columns whose values contradict their unit.
 #[must_use]
 pub fn notes(flight: &Flight) -> Vec<Note> {
     let of_columns = flight.channels.iter().filter_map(|(channel, column)| of_column(*channel, column));
     of_columns.chain(of_altitudes(flight)).map(Note::new).collect()
 }
 
-/// The values below and above which one in fifty is: these may be wild cells.
+/// The 2nd and 98th percentiles: values beyond them may be wild cells.
 fn ends(mut values: Vec<f64>) -> Option<(f64, f64)> {
     values.retain(|value| value.is_finite());
     values.sort_by(f64::total_cmp);
@@ -47,7 +47,7 @@ fn of_column(channel: Channel, column: &Column) -> Option<String> {
     if quantity == Quantity::Pressure {
         least = LEAST_PA;
     }
-    // Nearly every column is where it should be: one look at it, and no copy.
+    // Nearly every column is plausible: checked in one pass, without a copy.
     let is_plausible = |value: f32| !value.is_finite() || (least..=most).contains(&f64::from(value));
     if column.samples().all(|(_, value)| is_plausible(value)) {
         return None;
@@ -57,7 +57,7 @@ fn of_column(channel: Channel, column: &Column) -> Option<String> {
         let is_inside = |value: f64| (least..=most).contains(&(value * unit.factor + unit.offset));
         is_inside(low) && is_inside(high)
     };
-    // A fast climb may reach where there is next to no pressure: then most of the flight is lower.
+    // A fast climb may reach almost zero pressure; most of such a flight is still lower.
     let contradicts = match quantity {
         Quantity::Pressure => high < least || low > most,
         _ => low < least || high > most,
@@ -92,7 +92,7 @@ fn near(flight: &Flight, column: &Column, row: usize) -> Option<f32> {
     (0..NEAR_ROWS).find_map(|away| row.checked_sub(away).and_then(at).or_else(|| at(row + away)))
 }
 
-/// One altitude in metres and the other one in something else.
+/// Note on two altitudes of which one is not in metres.
 fn of_altitudes(flight: &Flight) -> Option<String> {
     let has =
         |channel: &Channel| flight.channel(*channel).is_some_and(|column| column.samples().next().is_some());
@@ -103,7 +103,7 @@ fn of_altitudes(flight: &Flight) -> Option<String> {
         _ => Some(pascals_or_metres),
     };
     let receiver = flight.channel(Channel::GpsAltM)?;
-    // Some thousand fixes tell as much as all.
+    // Some thousand fixes are as good as all.
     let stride = receiver.samples().count() / MOST_PAIRS + 1;
     let pairs: Vec<(f64, f64)> = receiver
         .samples()
@@ -136,7 +136,7 @@ fn of_altitudes(flight: &Flight) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// A climb of 120 m, with the columns as `text` makes them of the altitude.
+    /// Notes on a climb of 120 m, with the columns that `text` makes from the altitude.
     fn said(names: &str, cells: impl Fn(f64) -> String) -> Vec<String> {
         let mut text = format!("# pylon-flight: 1\ntime_s,{names}\n");
         (0..600).for_each(|k| {

@@ -15,15 +15,15 @@ pub struct Position {
 const EQUATORIAL_RADIUS_M: f64 = 6_378_137.0;
 /// WGS-84 first eccentricity squared.
 const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_14e-3;
-/// Positions further apart than this have no velocity in common, seconds.
+/// Longest time between two positions that give a velocity, seconds.
 const LONGEST_GAP_S: f64 = 15.0;
-/// Faster than this a position has jumped, m/s.
+/// Fastest plausible velocity, m/s: faster is a jump of the position.
 const FASTEST_MPS: f64 = 400.0;
 
 /// A position with its time, seconds.
 pub type TimedPosition = (f64, Position);
 
-/// North and east, metres, from one position to another that is near.
+/// North and east displacement between two near positions, metres.
 ///
 /// Radii of curvature at the mean latitude: B. Hofmann-Wellenhof et al., "Navigation", 2003, sec. 2.2.
 fn displacement_m(from: Position, to: Position) -> (f64, f64) {
@@ -32,7 +32,7 @@ fn displacement_m(from: Position, to: Position) -> (f64, f64) {
     let normal_m = EQUATORIAL_RADIUS_M / flattening.sqrt();
     let meridian_m = normal_m * (1.0 - ECCENTRICITY_SQUARED) / flattening;
     let north_m = (to.latitude_deg - from.latitude_deg).to_radians() * meridian_m;
-    // Across the antimeridian the short way is meant.
+    // Across the antimeridian, take the short way.
     let turn_deg = (to.longitude_deg - from.longitude_deg + 540.0).rem_euclid(360.0) - 180.0;
     (north_m, turn_deg.to_radians() * normal_m * latitude.cos())
 }
@@ -49,7 +49,7 @@ fn velocity_mps(from: TimedPosition, to: TimedPosition) -> Option<(f32, f32)> {
 
 /// North and east velocity at each position, m/s: central differences, one-sided at the ends and beside gaps.
 /// `None` where neither neighbour is near enough in time, or a position has jumped. Of positions whose time
-/// is not after the last one's, only the first has a velocity.
+/// does not increase, only the first has a velocity.
 pub fn velocities(
     positions: impl Iterator<Item = TimedPosition> + Clone,
 ) -> impl Iterator<Item = Option<(f32, f32)>> {

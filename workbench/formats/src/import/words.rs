@@ -1,9 +1,9 @@
 //! Lists for users.
 
-/// So many kinds of message are named of those that are not used.
+/// How many kinds of unused messages are named.
 const NAMED: usize = 8;
 
-/// What a log has most of, each with its count, and how many kinds there are beside; nothing for an empty
+/// Lists the most frequent kinds, each with its count, and the number of other kinds; `None` for an empty
 /// list.
 pub fn most_of(mut kinds: Vec<(String, usize)>) -> Option<String> {
     kinds.sort_by(|one, other| (other.1, &one.0).cmp(&(one.1, &other.0)));

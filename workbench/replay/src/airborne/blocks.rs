@@ -1,4 +1,4 @@
-//! A flight in blocks of some seconds: height, speed, place.
+//! A flight in blocks of some seconds: height, speed and place.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
@@ -6,15 +6,14 @@ use flight_data::{Channel, Column, Flight};
 
 /// Shortest block, seconds.
 const SHORTEST_S: f64 = 1.0;
-/// A block is so long that it has this many fixes, so that one wild fix is not its median.
+/// Least number of fixes in a block, so that one wild fix is not its median.
 const FIXES_A_BLOCK: f64 = 2.5;
-/// An airspeed below this may be wind on a parked aircraft, m/s.
+/// Least airspeed that counts as flight, m/s: a lower one may be wind on a parked aircraft.
 const WIND_MPS: f64 = 8.0;
-/// A barometer is not believed if it moves over less than this share of what the receiver moves over: it is
-/// stuck.
+/// A barometer that moves less than this share of the receiver's range is stuck and is not used.
 const STUCK_SHARE: f64 = 0.2;
-/// Blocks farther apart than this many of their lengths have a gap between them: where the vehicle went
-/// meanwhile is not known.
+/// Blocks farther apart than this many block lengths have a gap between them, in which the vehicle's motion
+/// is unknown.
 const GAP_BLOCKS: f64 = 4.0;
 
 /// Where the heights come from.
@@ -27,7 +26,7 @@ pub enum Heights {
 }
 
 impl Heights {
-    /// In words.
+    /// Name for users.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -37,11 +36,11 @@ impl Heights {
     }
 }
 
-/// Changes of height below this show nothing, metres, by a barometer in whole metres: two of its steps.
+/// Smallest significant change of height for a barometer in whole metres, metres: two of its steps.
 const WHOLE_METRES_M: f64 = 2.0;
-/// The same by a barometer that shows decimetres: gusts and propellers move it by half of that.
+/// The same for a barometer that resolves decimetres: gusts and propellers move it by half of that.
 const FINE_M: f64 = 1.0;
-/// The same by a receiver: three times the 2 m that its altitude wanders by within half a minute.
+/// The same for a receiver: three times the 2 m by which its altitude wanders within half a minute.
 const RECEIVER_M: f64 = 6.0;
 
 /// One block.
@@ -51,7 +50,7 @@ pub(super) struct Block {
     pub(super) time_s: f64,
     /// Median height, metres.
     pub(super) height_m: f64,
-    /// Median speed, m/s; `None` where nothing tells.
+    /// Median speed, m/s; `None` without a source of speed.
     pub(super) speed_mps: Option<f64>,
     /// Place north and east of the leg's beginning, metres; a leg is a stretch without gaps.
     pub(super) place_m: [f64; 2],
@@ -65,14 +64,14 @@ pub(super) struct Blocks {
     /// Length of each, seconds.
     pub(super) length_s: f64,
     pub(super) heights: Heights,
-    /// Changes of height below this show nothing, metres.
+    /// Smallest significant change of height, metres.
     pub(super) tolerance_m: f64,
 }
 
-/// Row, time in seconds and metres of an altitude.
+/// Row, time in seconds and altitude in metres.
 pub(super) type Sample = (usize, f64, f64);
 
-/// One row's cells that matter.
+/// The cells of one row that are used.
 struct Row {
     time_s: f64,
     height_m: Option<f64>,
@@ -81,7 +80,7 @@ struct Row {
 }
 
 impl Blocks {
-    /// Of a flight that has an altitude.
+    /// Blocks of a flight; `None` without an altitude.
     pub(super) fn new(flight: &Flight) -> Option<Self> {
         let (altitudes, heights) = altitudes(flight)?;
         let times = |samples: &[Sample]| samples.iter().map(|(_, time_s, _)| *time_s).collect();
@@ -89,13 +88,13 @@ impl Blocks {
             [Channel::GpsVnMps, Channel::TasMps].into_iter().find_map(|channel| flight.channel(channel));
         let speeds = speeds.into_iter().flat_map(Column::samples);
         let speeds: Vec<f64> = speeds.filter_map(|(row, _)| flight.time_s.get(row).copied()).collect();
-        // A block without a speed would tell less than one that is longer.
+        // A longer block is more useful than one without a speed.
         let interval_s = median_interval_s(times(&altitudes)).max(median_interval_s(speeds));
         let length_s = SHORTEST_S.max(FIXES_A_BLOCK * interval_s);
         let is_whole = |(_, _, metres): &&Sample| metres.fract() == 0.0;
         let tolerance_m = match heights {
             Heights::Receiver => RECEIVER_M,
-            // A zero among decimetres is whole too.
+            // Zeros also occur among decimetres, so more than half must be whole.
             Heights::Barometer if 2 * altitudes.iter().filter(is_whole).count() > altitudes.len() => {
                 WHOLE_METRES_M
             }
@@ -109,7 +108,7 @@ impl Blocks {
         let mut latest_s = f64::NEG_INFINITY;
         let mut blocks = Gatherer { length_s, ..Gatherer::default() };
         for (row, time_s) in flight.time_s.iter().copied().enumerate() {
-            // Rows that run back in time are left out, as the estimator does.
+            // Rows that run back in time are left out, as in the estimator.
             if time_s <= latest_s || !time_s.is_finite() {
                 continue;
             }
@@ -137,7 +136,7 @@ impl Blocks {
         next.time_s - block.time_s > GAP_BLOCKS * self.length_s
     }
 
-    /// Least and greatest height from one time to another, around or beside a block: metres between them.
+    /// Range of heights of the blocks from one time to another, metres.
     pub(super) fn range_m(&self, from_s: f64, to_s: f64) -> f64 {
         let first = self.blocks.partition_point(|block| block.time_s < from_s);
         let inside = self.blocks.get(first..).unwrap_or_default();
@@ -150,8 +149,8 @@ impl Blocks {
     }
 }
 
-/// Row, time and metres of every altitude of the sensor that shows heights best: the barometer, if there is
-/// one that is not stuck.
+/// Row, time and metres of every altitude of the best source of height: the barometer, unless it is missing
+/// or stuck.
 pub(super) fn altitudes(flight: &Flight) -> Option<(Vec<Sample>, Heights)> {
     let of = |column: Option<&Column>, metres: &dyn Fn(f32) -> Option<f32>| -> Vec<Sample> {
         let samples = column.into_iter().flat_map(Column::samples);
@@ -167,7 +166,7 @@ pub(super) fn altitudes(flight: &Flight) -> Option<(Vec<Sample>, Heights)> {
     }
     let receiver = of(flight.channel(Channel::GpsAltM), &own);
     let is_stuck = spread_m(&barometer) < STUCK_SHARE * spread_m(&receiver);
-    // One with samples in a part of the log only would hide the rest of it.
+    // A barometer with samples in only part of the log would hide the rest of it.
     let reaches = |one: &[Sample], other: &[Sample]| match (ends_s(one), ends_s(other)) {
         (Some(one), Some(other)) => one.1 - one.0 >= 0.9 * (other.1 - other.0),
         (one, _) => one.is_some(),
@@ -185,7 +184,7 @@ fn ends_s(samples: &[Sample]) -> Option<(f64, f64)> {
     Some((samples.first()?.1, samples.last()?.1))
 }
 
-/// Between the tenth and the last tenth of the values.
+/// Range from the lowest to the highest tenth of the values.
 fn spread_m(samples: &[Sample]) -> f64 {
     let mut metres: Vec<f64> = samples.iter().map(|(_, _, metres)| *metres).collect();
     metres.sort_by(f64::total_cmp);
@@ -205,7 +204,7 @@ pub(super) fn median(values: &mut [f64]) -> Option<f64> {
     Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// Rows becoming blocks.
+/// Collects rows into blocks.
 #[derive(Default)]
 struct Gatherer {
     length_s: f64,
@@ -272,13 +271,13 @@ impl Gatherer {
     }
 }
 
-/// Height and speed of each block as the median of three: where a block has only two samples, one wild one
+/// Takes the median of three blocks' heights and speeds: with only two samples in a block, one wild sample
 /// would be half of it.
 fn smoothed(blocks: Vec<Block>) -> Vec<Block> {
     let of = |place: usize, value: &dyn Fn(&Block) -> Option<f64>| {
         let around = blocks.get(place.saturating_sub(1)..(place + 2).min(blocks.len())).unwrap_or_default();
         let mut values: Vec<f64> = around.iter().filter_map(value).collect();
-        // At the ends there are two: the block's own.
+        // At the ends there are only two: the block keeps its own value.
         if values.len() == 3 { median(&mut values) } else { None }
     };
     let smooth = |(place, block): (usize, &Block)| Block {
@@ -293,15 +292,15 @@ fn smoothed(blocks: Vec<Block>) -> Vec<Block> {
 mod tests {
     use super::*;
 
-    /// A column of a cell in each row, by the row's number.
+    /// A column with the given cell in each row.
     fn column(rows: usize, cell: impl Fn(usize) -> Option<f32>) -> Column {
         let mut column = Column::default();
         (0..rows).for_each(|row| column.push(cell(row)));
         column
     }
 
-    /// A minute and a half at a row a second, on a clock that shows 1,000 s at its beginning: it climbs at 1
-    /// m/s and moves by 3 m/s north and 4 m/s east.
+    /// A minute and a half at one row a second, on a clock that begins at 1,000 s. The vehicle climbs at
+    /// 1 m/s and moves by 3 m/s north and 4 m/s east.
     fn straight() -> Flight {
         let height = |row: usize| Some(500.0 + row as f32);
         Flight {
@@ -315,8 +314,8 @@ mod tests {
         }
     }
 
-    /// A block is so long that it has two and a half fixes, begins at a multiple of that from the log's first
-    /// row, and is where the velocity has brought it: 3 m north and 4 m east a second.
+    /// A block lasts two and a half fixes, begins at a multiple of that from the log's first row, and its
+    /// place follows the velocity: 3 m north and 4 m east a second.
     #[test]
     fn the_place_is_the_velocity_times_the_time() {
         let found = Blocks::new(&straight()).unwrap();
@@ -326,13 +325,13 @@ mod tests {
             assert_eq!(block.time_s, 1_000.0 + since_s);
             assert_eq!(block.place_m, [3.0 * since_s, 4.0 * since_s]);
             assert_eq!((block.speed_mps, block.leg), (Some(5.0), 0));
-            // Of two or three rows in a block, one a metre.
+            // Of two or three rows in a block, one metre apart.
             assert!((block.height_m - 500.0 - since_s).abs() <= 1.5, "{block:?}");
         }
     }
 
-    /// Four blocks without a height are no gap: the velocity is taken to have gone on. After more the leg is
-    /// another one, at whose beginning the place is what it was.
+    /// Four blocks without a height are no gap: the velocity is taken to have continued. After a longer one a
+    /// new leg begins, at the place where the last one ended.
     #[test]
     fn a_gap_of_more_than_four_blocks_begins_another_leg() {
         let with_gap = |lost: std::ops::Range<usize>| {
@@ -351,7 +350,7 @@ mod tests {
         assert!(short.blocks.windows(2).all(|pair| !short.is_gap(&pair[0], &pair[1])));
         let long = with_gap(20..30);
         let last = long.blocks.last().unwrap();
-        // From 17.5 s to 30 s it is not known where it went.
+        // From 17.5 s to 30 s its motion is unknown.
         assert_eq!((last.leg, last.place_m), (1, [3.0 * 75.0, 4.0 * 75.0]));
         assert_eq!(long.blocks.windows(2).filter(|pair| long.is_gap(&pair[0], &pair[1])).count(), 1);
     }
@@ -370,7 +369,7 @@ mod tests {
         }
     }
 
-    /// The range of heights is that of the blocks from the one time to the other, both included.
+    /// The range of heights is that of the blocks between the two times, both included.
     #[test]
     fn a_range_of_heights_has_its_ends_in_it() {
         let mut found = Blocks::new(&straight()).unwrap();
@@ -382,8 +381,8 @@ mod tests {
         assert_eq!(found.range_m(1_005.5, 1_006.0), 0.0, "none");
     }
 
-    /// Without a receiver the airspeed tells, from 8 m/s on: less may be wind on a parked aircraft. Without
-    /// either nothing does.
+    /// Without a receiver the airspeed is used, from 8 m/s on: less may be wind on a parked aircraft. Without
+    /// either there is no speed.
     #[test]
     fn an_airspeed_stands_in_from_the_speed_of_the_wind_on() {
         let with = |airspeed_mps: Option<f32>| {
@@ -398,8 +397,8 @@ mod tests {
         assert!(!with(Some(5.0)).has_speed() && !with(None).has_speed());
     }
 
-    /// A single wild block between two others shows the height and the speed of one of these; the ends show
-    /// their own.
+    /// A single wild block between two others takes the height and the speed of one of these; the blocks at
+    /// the ends keep their own.
     #[test]
     fn a_wild_block_is_smoothed_away() {
         let with_wild = |wild: usize| {
@@ -420,7 +419,7 @@ mod tests {
         assert_eq!(with_wild(0)[0], (900.0, Some(300.0)));
     }
 
-    /// The middle of the sorted values, the lower one of two.
+    /// The middle of the sorted values; of two, the lower one.
     #[test]
     fn a_median_is_the_middle_of_the_sorted() {
         assert_eq!(median(&mut [5.0, 1.0, 3.0, 2.0, 4.0]), Some(3.0));
@@ -429,14 +428,14 @@ mod tests {
         assert_eq!(median(&mut []), None);
     }
 
-    /// Rows that repeat a time have no interval between them.
+    /// Rows that repeat a time are not counted as an interval.
     #[test]
     fn repeated_times_are_no_interval() {
         assert_eq!(median_interval_s(vec![0.0, 0.0, 0.0, 2.0, 4.0]), 2.0);
         assert_eq!(median_interval_s(vec![3.0]), 0.0);
     }
 
-    /// Which sensor's heights are taken of a log of 600 s whose clock begins at 1,000 s, in which the
+    /// Which sensor's heights are used for a log of 600 s whose clock begins at 1,000 s, in which the
     /// receiver climbs by 600 m.
     fn taken(barometer_m: impl Fn(usize) -> Option<f32>, receiver_m: impl Fn(usize) -> f32) -> Heights {
         let flight = Flight {
@@ -450,8 +449,8 @@ mod tests {
         altitudes(&flight).unwrap().1
     }
 
-    /// The barometer's heights are taken if it moves by a fifth of what the receiver moves by or more, and is
-    /// there for nine tenths of the log or more. At rest neither moves, which is no fault.
+    /// The barometer's heights are used if it moves at least a fifth as much as the receiver and covers at
+    /// least nine tenths of the log. At rest neither moves, which is no fault.
     #[test]
     fn a_barometer_is_taken_that_moves_and_is_there() {
         let climb_m = |row: usize| 300.0 + row as f32;

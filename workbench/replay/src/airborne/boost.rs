@@ -1,32 +1,33 @@
-//! The launch of a rocket: from standing it rises faster than anything that flies by its wings or propellers.
+//! Detects a rocket launch: from standing, it rises faster than anything that flies by wings or propellers.
 //!
-//! Within [`RISE_S`] of the launch a rocket with the least thrust that clubs let fly, three times its weight
+//! Within [`RISE_S`] of the launch a rocket with the least thrust that clubs permit, three times its weight
 //! (Tripoli Rocketry Association, "Safety Code for High Power Rocketry", 2024), rises by 39 m: half of two g
-//! times four seconds squared. A multicopter with twice its weight of thrust, which few have, rises by 20 m.
-//! The limit is their geometric middle. An aircraft that pulls up rises as fast, but is fast before it does.
+//! times four seconds squared. A multicopter whose thrust is twice its weight, which few have, rises by 20 m.
+//! The limit is their geometric mean. An aircraft that pulls up rises as fast, but is already fast before.
 
 use flight_data::{Channel, Column, Flight};
 
 use super::blocks::{Heights, altitudes, median_interval_s};
 
-/// How long the rise is looked at, seconds.
+/// Duration over which the rise is measured, seconds.
 const RISE_S: f64 = 2.0;
-/// What it must come to, metres.
+/// Least rise of a launch, metres.
 const LEAST_RISE_M: f64 = 28.0;
-/// From standing, the second half of a steady acceleration has three times the rise of the first, and a
-/// steady climb the same. With this ratio and that rise the acceleration is 1.2 g or more: what a multicopter
-/// does not have that is climbing already.
+/// Least ratio of the rise in the second half to that in the first: three for a steady acceleration from
+/// standing, one for a steady climb. With this ratio and that rise the acceleration is 1.2 g or more, which a
+/// multicopter that is already climbing cannot reach.
 const LEAST_RATIO: f64 = 2.5;
-/// It stands as long as it is within this of where the rise begins, metres.
+/// The vehicle stands as long as it is within this of the height where the rise begins, metres.
 const STANDING_M: f64 = 1.0;
-/// Heights at either end of the rise are medians over this much around, seconds: single wild ones are none.
+/// Heights at either end of the rise are medians over this time before and after, seconds, so that single
+/// wild samples do not matter.
 const AROUND_S: f64 = 0.15;
-/// Of a barometer that is slower than this the beginning of a boost cannot be seen, seconds between samples.
+/// Longest time between samples, seconds: a slower barometer does not show when a boost begins.
 const SLOWEST_S: f64 = 0.1;
-/// Faster over ground than this it did not stand, m/s: the receiver of a vehicle on its rail shows the wind's
-/// swaying and its noise.
+/// Largest speed over ground of a standing vehicle, m/s: on the rail a receiver shows the wind's swaying and
+/// its own noise.
 const STANDING_MPS: f64 = 10.0;
-/// The speed that is asked for is at most so far from the launch, seconds.
+/// Speeds are taken within this time of the launch, seconds.
 const NEAR_S: f64 = 1.5;
 
 /// A launch by a rocket motor.
@@ -34,18 +35,17 @@ const NEAR_S: f64 = 1.5;
 pub struct Boost {
     /// When it began, seconds of the flight's own clock.
     pub from_s: f64,
-    /// How far it rose in the two seconds after, metres.
+    /// Its rise in the two seconds after that, metres.
     pub rise_m: f64,
 }
 
-/// The first launch by a rocket motor, if there is one that a barometer with ten samples a second or more
-/// shows.
+/// The first rocket launch, if a barometer with at least ten samples a second shows one.
 #[must_use]
 pub fn boost(flight: &Flight) -> Option<Boost> {
     let (samples, heights) = altitudes(flight)?;
     let mut heights_m: Vec<(f64, f64)> = Vec::with_capacity(samples.len());
     for (_, time_s, metres) in samples {
-        // Rows that run back in time are left out, as the estimator does.
+        // Rows that run back in time are left out, as in the estimator.
         if heights_m.last().is_none_or(|(before_s, _)| time_s > *before_s) {
             heights_m.push((time_s, metres));
         }
@@ -67,7 +67,7 @@ pub fn boost(flight: &Flight) -> Option<Boost> {
         if !is_boost || !stands(flight, *from_s) {
             return None;
         }
-        // The rise of a strong motor is enough before all of its two seconds have passed.
+        // A strong motor's rise is large enough before all of its two seconds have passed.
         let during = heights_m.iter().map(|(time_s, _)| *time_s).skip_while(|time_s| time_s < from_s);
         let during = during.take_while(|time_s| *time_s <= from_s + RISE_S);
         let lit_s =
@@ -78,7 +78,7 @@ pub fn boost(flight: &Flight) -> Option<Boost> {
     })
 }
 
-/// Whether nothing says that it moved over ground at a time.
+/// Whether no recorded speed shows that it moved over ground at that time.
 fn stands(flight: &Flight, at_s: f64) -> bool {
     let column = |channel| flight.channel(channel).into_iter().flat_map(Column::samples);
     let is_near = |row: &usize| flight.time_s.get(*row).is_some_and(|time_s| (time_s - at_s).abs() <= NEAR_S);
@@ -96,14 +96,14 @@ fn stands(flight: &Flight, at_s: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// Barometer at 20 Hz, receiver's speed at 1 Hz, by height and speed over time.
+    /// Barometer at 20 Hz and receiver's speed at 1 Hz, from height and speed over time.
     fn flown(height_m: impl Fn(f64) -> f64, speed_mps: impl Fn(f64) -> f64) -> Flight {
         let mut flight = Flight::default();
         let [mut baro, mut north, mut east] = [Column::default(), Column::default(), Column::default()];
         for row in 0..600_u32 {
             let time_s = f64::from(row) / 20.0;
             flight.time_s.push(time_s);
-            // A decimetre of noise that repeats with nothing.
+            // A decimetre of noise whose period is unrelated to the sample time.
             let noise_m = 0.1 * libm::sin(f64::from(row) * 2.3);
             baro.push(Some((height_m(time_s) + noise_m) as f32));
             let fix = row.is_multiple_of(20);
@@ -115,7 +115,7 @@ mod tests {
         flight
     }
 
-    /// Stands for 10 s, then accelerates upward for 3 s and coasts.
+    /// Stands for 10 s, accelerates upward for 3 s, then coasts.
     fn accelerated(upward_mps2: f64) -> impl Fn(f64) -> f64 {
         move |time_s: f64| {
             let (burnt, since) = ((time_s - 10.0).clamp(0.0, 3.0), (time_s - 13.0).max(0.0));
@@ -143,15 +143,15 @@ mod tests {
     fn a_fast_climb_a_pull_up_and_a_wild_sample_are_no_launch() {
         assert_eq!(boost(&flown(|time_s| 25.0 * time_s, |_| 60.0)), None);
         assert_eq!(boost(&flown(|time_s| 25.0 * time_s, |_| 3.0)), None);
-        // The pull-up of a glider that was fast.
+        // The pull-up of a glider that was already fast.
         assert_eq!(boost(&flown(accelerated(25.0), |time_s| if time_s < 12.0 { 70.0 } else { 5.0 })), None);
         let wild = |time_s: f64| if (time_s - 12.0).abs() < 0.01 { 500.0 } else { 100.0 };
         assert_eq!(boost(&flown(wild, |_| 0.0)), None);
     }
 
-    /// The boost begins where the height leaves a metre above the stand: by 19.6 m/s2 after 0.32 s. From
-    /// there to two seconds later the rocket rises to half of that times 2.32 s squared, 52.7 m; a sample is
-    /// 50 ms, in which it rises by 2.3 m at the end.
+    /// The boost begins where the height exceeds a metre above the stand: with 19.6 m/s2 after 0.32 s. Within
+    /// the next two seconds the rocket rises to half of that times 2.32 s squared, 52.7 m. A sample is 50 ms,
+    /// in which it rises by 2.3 m at the end.
     #[test]
     fn beginning_and_rise_are_those_of_a_steady_acceleration() {
         let found = boost(&flown(accelerated(19.6), |_| 0.5)).unwrap();
@@ -159,8 +159,8 @@ mod tests {
         assert!((found.rise_m - 52.7).abs() <= 2.0 * 2.3, "{found:?}");
     }
 
-    /// What comes back to the ground stands there again, which is no second beginning; nor is a drive to the
-    /// rail, seconds before.
+    /// A vehicle that returns to the ground stands there again, which is no second beginning. Neither is a
+    /// drive to the rail, seconds before.
     #[test]
     fn neither_a_landing_nor_a_drive_to_the_rail_moves_the_launch() {
         // Two seconds of thrust at the log's middle: 39 m at 39 m/s, back on the ground 9 s later.
@@ -172,7 +172,7 @@ mod tests {
         assert!((found.from_s - 13.32).abs() <= 0.1, "{found:?}");
     }
 
-    /// A row whose time does not go on from the one before is left out, whatever it says.
+    /// A row whose time does not increase is left out, whatever its content.
     #[test]
     fn rows_that_repeat_a_time_are_left_out() {
         let once = flown(accelerated(19.6), |_| 0.5);
@@ -189,7 +189,7 @@ mod tests {
         assert_eq!(boost(&thrice), boost(&once));
     }
 
-    /// By a receiver's heights, or by a barometer with five samples a second, no beginning is told.
+    /// A receiver's heights, or a barometer with five samples a second, show no beginning.
     #[test]
     fn only_a_fast_barometer_shows_a_launch() {
         let mut receiver = flown(accelerated(40.0), |_| 0.5);

@@ -1,48 +1,50 @@
-//! The drop from a carrier: out of steady flight the vehicle falls as nothing does that is carried by its own
-//! wings or propellers.
+//! Detects the drop from a carrier: out of steady flight the vehicle falls as nothing does that flies on its
+//! own wings or propellers.
 //!
-//! Within [`FALL_S`] a body that nothing carries falls 19.6 m below where it would have gone on to, half of g
-//! times two seconds squared; an aircraft that is pushed over to half a g falls 9.8 m below. The limit is
-//! their geometric middle. A rocket that coasts over its apogee falls as freely, but did before; a
-//! multicopter whose motors fail does too, so its motors must be off, where that is recorded. An aerobatic
-//! aircraft that is pushed over to weightlessness looks the same.
+//! Within [`FALL_S`] a body in free fall ends 19.6 m below the continuation of its path, half of g times two
+//! seconds squared; an aircraft that is pushed over to half a g ends 9.8 m below. The limit is their
+//! geometric mean. A rocket that coasts over its apogee falls as freely, but did so before. A multicopter
+//! whose motors fail does too, so motors must be off, where that is recorded. An aerobatic aircraft that is
+//! pushed over to weightlessness looks the same.
 //!
-//! What this cannot find: a winged vehicle that its wings carry by a third or more from the first second on.
-//! It needs a `launch` column.
+//! What this cannot find: a winged vehicle whose wings carry a third or more of its weight from the first
+//! second on. It needs a `launch` column.
 
 use flight_data::{Channel, Column, Flight};
 
 use super::blocks::{Heights, altitudes, median, median_interval_s};
 
-/// How long the fall is looked at, seconds.
+/// Duration over which the fall is measured, seconds.
 const FALL_S: f64 = 2.0;
-/// What it must come to, metres below the line that the flight went on before.
+/// Least fall below the straight continuation of the flight, metres.
 const LEAST_FALL_M: f64 = 14.0;
-/// A free fall, and twice what steady flight may be off its line: more is no fall, but a sensor's jump.
+/// Largest fall, metres: free fall plus twice the deviation that steady flight may have. More is a sensor's
+/// jump.
 const MOST_FALL_M: f64 = 19.6 + 2.0 * STEADY_M;
-/// The second half of a fall has three times the way of the first; of a descent that was there before, the
-/// same.
+/// Least ratio of the fall in the second half to that in the first: three for a free fall, one for a steady
+/// descent.
 const LEAST_RATIO: f64 = 2.5;
-/// Steady for so long before, seconds.
+/// Duration of steady flight before the fall, seconds.
 const STEADY_S: f64 = 5.0;
-/// Steady flight is within this of a straight line, metres: the waves of turbulence and of a barometer's
-/// noise. An apogee's parabola is up to 15 m from one.
+/// Steady flight stays within this of a straight line, metres: turbulence and a barometer's noise. An
+/// apogee's parabola deviates by up to 15 m.
 const STEADY_M: f64 = 2.0;
-/// The fall has begun where it is this far below the line, metres, and so much earlier: what a fall by four
-/// fifths of g takes to come so far.
+/// Depth below the line, metres, at which the fall has certainly begun. The beginning is put earlier by the
+/// time that a fall at four fifths of g takes to get there.
 const BEGUN_M: f64 = 1.0;
 const BEGUN_S: f64 = 0.5;
-/// As [`LEAST_RATIO`], from there on. A descent that is there at once has at most 1.8 (its speed is at most
-/// that of [`MOST_FALL_M`] in 1.5 s), a fall 3: the geometric middle.
+/// As [`LEAST_RATIO`], from the beginning on. A descent that begins at once has at most 1.8 (its speed is at
+/// most that of [`MOST_FALL_M`] in 1.5 s), a fall 3: the geometric mean.
 const BEGUN_RATIO: f64 = 2.3;
-/// Heights at either end of the fall are medians over this much around, seconds: single wild ones are none.
+/// Heights at either end of the fall are medians over this time before and after, seconds, so that single
+/// wild samples do not matter.
 const AROUND_S: f64 = 0.15;
-/// Of a barometer that is slower than this the beginning of a fall cannot be seen, seconds between samples.
+/// Longest time between samples, seconds: a slower barometer does not show when a fall begins.
 const SLOWEST_S: f64 = 0.1;
-/// A motor that turns without carrying: autopilots' arming speeds are up to a tenth.
+/// Largest throttle of a motor that idles: autopilots' arming speeds are up to a tenth.
 const IDLE: f64 = 0.1;
-/// Specific force during the fall's first second, m/s2, where it is measured: a third of g, which the limit
-/// above leaves to wings and drag.
+/// Largest specific force during the fall's first second, m/s2, where it is measured: a third of g, which the
+/// limit above leaves to wings and drag.
 const MOST_CARRIED_MPS2: f64 = 0.34 * 9.806_65;
 
 /// A drop from a carrier.
@@ -50,14 +52,14 @@ const MOST_CARRIED_MPS2: f64 = 0.34 * 9.806_65;
 pub struct Drop {
     /// When it began, seconds of the flight's own clock.
     pub from_s: f64,
-    /// How far it fell in the two seconds after, below the way that it had been going, metres.
+    /// Its fall in the two seconds after that, below the continuation of its path, metres.
     pub fall_m: f64,
 }
 
-/// Time and metres, in order of time.
+/// Time, seconds, and height, metres, in order of time.
 type Track = [(f64, f64)];
 
-/// The first drop, if there is one that a barometer with ten samples a second or more shows.
+/// The first drop, if a barometer with at least ten samples a second shows one.
 #[must_use]
 pub fn drop(flight: &Flight) -> Option<Drop> {
     let (samples, heights) = altitudes(flight)?;
@@ -66,7 +68,7 @@ pub fn drop(flight: &Flight) -> Option<Drop> {
     }
     let mut track: Vec<(f64, f64)> = Vec::with_capacity(samples.len());
     for (_, time_s, metres) in samples {
-        // Rows that run back in time are left out, as the estimator does.
+        // Rows that run back in time are left out, as in the estimator.
         if track.last().is_none_or(|(before_s, _)| time_s > *before_s) {
             track.push((time_s, metres));
         }
@@ -83,7 +85,7 @@ pub fn drop(flight: &Flight) -> Option<Drop> {
         while track.get(after).is_some_and(|(time_s, _)| *time_s < at_s + FALL_S) {
             after += 1;
         }
-        // What is no candidate by three samples alone is not looked at: nearly all of a flight.
+        // Three samples alone rule out nearly all of a flight; only the rest is examined further.
         let (Some((_, earlier_m)), Some((_, later_m))) = (track.get(before), track.get(after)) else { break };
         if (metres - later_m) - (earlier_m - metres) < LEAST_FALL_M - 2.0 * STEADY_M {
             continue;
@@ -115,16 +117,16 @@ fn fall(track: &Track, place: usize) -> Option<Drop> {
     let mut during = during.take_while(|time_s| *time_s <= at_s + FALL_S);
     let begun_s = during.find(|time_s| below_m(*time_s).is_some_and(|metres| metres > BEGUN_M))?;
     let from_s = (begun_s - BEGUN_S).max(at_s);
-    // A descent that begins at once looks like a fall only from before its beginning, and what is faster than
-    // a fall is none.
+    // A descent that begins at once looks like a fall only from before its beginning, and anything faster
+    // than a fall is not one.
     let (middle_m, fall_m) = (below_m(from_s + FALL_S / 2.0)?, below_m(from_s + FALL_S)?);
     let is_fall =
         (LEAST_FALL_M..=MOST_FALL_M).contains(&fall_m) && fall_m - middle_m >= BEGUN_RATIO * middle_m;
     is_fall.then_some(Drop { from_s, fall_m })
 }
 
-/// Height at the end and climb rate, m and m/s, of the straight line through the seconds before, if the
-/// flight was steady.
+/// Height at the end and climb rate, m and m/s, of the straight line through the seconds before; `None` if
+/// the flight was not steady.
 fn steady_line(track: &Track, at_s: f64) -> Option<(f64, f64)> {
     let first = track.partition_point(|(time_s, _)| *time_s < at_s - STEADY_S);
     let before = track.get(first..)?;
@@ -146,12 +148,11 @@ fn steady_line(track: &Track, at_s: f64) -> Option<(f64, f64)> {
     let straight_m = |time_s: f64| mean_m + climb_mps * (time_s - mean_s);
     let off =
         before.iter().filter(|(time_s, metres)| (metres - straight_m(*time_s)).abs() > STEADY_M).count();
-    // Single wild samples are none.
+    // Single wild samples do not matter.
     (off * 20 <= before.len()).then(|| (straight_m(at_s), climb_mps))
 }
 
-/// Whether neither motors nor, by the accelerometer, anything else carried the vehicle, where that is
-/// recorded.
+/// Whether nothing carried the vehicle, by throttle and accelerometer, where those are recorded.
 fn is_free(flight: &Flight, from_s: f64) -> bool {
     let values = |channel: Channel, from_s: f64, to_s: f64| {
         let samples = flight.channel(channel).into_iter().flat_map(Column::samples);
@@ -179,7 +180,7 @@ mod tests {
 
     const G: f64 = 9.806_65;
 
-    /// Barometer at 20 Hz by height over time, with noise of a decimetre, and other columns.
+    /// Barometer at 20 Hz by height over time, with a decimetre of noise, and other columns.
     fn flown(height_m: impl Fn(f64) -> f64, others: &[(Channel, &dyn Fn(f64) -> f64)]) -> Flight {
         let mut flight = Flight::default();
         let mut baro = Column::default();
@@ -197,7 +198,7 @@ mod tests {
         flight
     }
 
-    /// Carried at a climb rate until 20 s, then falling by a share of g until the pull-out at 24 s.
+    /// Carried at a climb rate until 20 s, then falls at a share of g until the pull-out at 24 s.
     fn dropped(climb_mps: f64, share: f64) -> impl Fn(f64) -> f64 {
         move |time_s: f64| {
             let since = (time_s - 20.0).clamp(0.0, 4.0);
@@ -228,7 +229,7 @@ mod tests {
         assert_eq!(drop(&flown(|time_s| 3_000.0 - 0.5 * G * (time_s - 20.0) * (time_s - 20.0), &[])), None);
         let wild = |time_s: f64| if (time_s - 22.0).abs() < 0.01 { 900.0 } else { 1_000.0 };
         assert_eq!(drop(&flown(wild, &[])), None);
-        // The sine of a rough flight.
+        // A sine, as in rough flight.
         assert_eq!(drop(&flown(|time_s| 1_000.0 + 8.0 * libm::sin(time_s), &[])), None);
     }
 
@@ -248,8 +249,8 @@ mod tests {
         }
     }
 
-    /// The same flight by a clock that shows another time at its beginning, and without what is before and
-    /// after some seconds of it.
+    /// The same flight on a clock that begins at another time, and without what is before and after some
+    /// seconds of it.
     fn by_another_clock(flight: &Flight, (from_s, to_s): (f64, f64), zero_s: f64) -> Flight {
         let channels = flight.channels.iter().map(|(channel, _)| (*channel, Column::default())).collect();
         let mut part = Flight { channels, ..Flight::default() };
@@ -264,10 +265,10 @@ mod tests {
         part
     }
 
-    /// A fall by g is a metre deep after 0.45 s and begins half a second before, by four fifths of g after
-    /// 0.51 s: at 20 s, to a sample and the noise. From there it falls by half of that times two seconds
-    /// squared. No clock's zero, and nothing that was flown six seconds before or is flown three seconds
-    /// after, changes that.
+    /// A fall at g is a metre deep after 0.45 s, one at four fifths of g after 0.51 s. The beginning is put
+    /// half a second before that: at 20 s, to within a sample and the noise. Within two seconds it falls by
+    /// half of that times two seconds squared. Neither the clock's zero nor anything flown six seconds before
+    /// or three seconds after changes that.
     #[test]
     fn beginning_and_depth_are_those_of_a_free_fall() {
         let climbing_first =
@@ -288,7 +289,7 @@ mod tests {
         assert!((found.from_s - 20.0).abs() <= 0.11, "{found:?}");
     }
 
-    /// Steady means five seconds, without a gap of a second, within two metres of a line but for one sample
+    /// Steady means five seconds without a gap of a second, within two metres of a line except for one sample
     /// in twenty.
     #[test]
     fn what_was_not_steady_before_drops_from_nothing() {
@@ -311,7 +312,7 @@ mod tests {
         assert!(drop(&flown(wild, &[])).is_some(), "one wild sample in 25");
     }
 
-    /// Rows whose time does not go on are left out, and five samples a second are too few.
+    /// Rows whose time does not increase are left out, and five samples a second are too few.
     #[test]
     fn repeated_rows_are_left_out_and_a_slow_barometer_tells_nothing() {
         let once = flown(dropped(0.0, 1.0), &[]);
@@ -332,8 +333,8 @@ mod tests {
         assert_eq!(drop(&slow), None);
     }
 
-    /// Motors that stopped three seconds before carried nothing; a parachute that opens after the first
-    /// second comes too late to deny a fall; and a drag of half a metre a second squared along every axis is
+    /// Motors that stopped three seconds before carried nothing. A parachute that opens after the first
+    /// second comes too late to rule out a fall. A drag of half a metre a second squared along every axis is
     /// within what a fall may have.
     #[test]
     fn only_what_carried_at_the_time_of_the_fall_denies_it() {

@@ -1,43 +1,43 @@
-//! Which blocks are flight, which are standing, and where the one becomes the other.
+//! Groups blocks into flight and standing, and finds the transitions between them.
 
 use std::ops::Range;
 
 use super::AirborneInterval;
 use super::blocks::{Block, Blocks, median};
 
-/// Faster than this nobody walks or runs with a parked vehicle, m/s: the 15 km/h by which scoring programs
-/// tell a flight.
+/// Least speed that counts as fast, m/s: nobody walks or runs faster with a parked vehicle. It is the 15 km/h
+/// by which scoring programs detect a flight.
 const FAST_MPS: f64 = 4.0;
-/// A vehicle that stands moves slower than this, m/s: the noise of a receiver's velocity, and a pilot who
-/// walks.
+/// Largest speed of a standing vehicle, m/s: the noise of a receiver's velocity, or a pilot who walks.
 const SLOW_MPS: f64 = 2.0;
-/// Height is looked at so far to either side, seconds: what happens now.
+/// Height is compared within this time before and after a block, seconds.
 const NEAR_S: f64 = 5.0;
-/// The same for what moves fast, which may be level for a moment.
+/// The same for a fast block, which may be level for a moment, seconds.
 const WIDE_S: f64 = 15.0;
-/// Standing for less than this separates no two flights, seconds: a paraglider that stands still in the wind.
+/// Least standing that separates two flights, seconds: a paraglider may stand still in the wind for less.
 const STANDING_S: f64 = 60.0;
-/// But so much is enough at the height of another stand, seconds: a copter that lands where it took off.
+/// The same at the height of another stand, seconds: a copter that lands where it took off.
 const STANDING_AGAIN_S: f64 = 10.0;
-/// At the log's beginning and end so much is enough, seconds: recorders begin shortly before the take-off.
+/// The same at the log's beginning and end, seconds: recorders begin shortly before the take-off.
 pub const EDGE_S: f64 = 3.0;
-/// Without a speed standing must last this long: level flight looks the same, but for its length.
+/// The same without a speed, seconds: only its length distinguishes it from level flight.
 const STANDING_WITHOUT_SPEED_S: f64 = 60.0;
-/// The ground's height is the median over so long of standing, seconds.
+/// The ground's height is the median over this much standing, seconds.
 const GROUND_S: f64 = 30.0;
-/// A flight moves fast for so long, or is off the ground for [`OFF_GROUND_S`]; else it was a bump of the
-/// sensor, or a taxi.
+/// A flight is fast for this long, or off the ground for [`OFF_GROUND_S`], seconds; else it was a bump of the
+/// sensor or a taxi.
 const FAST_S: f64 = 10.0;
 /// See [`FAST_S`], seconds.
 const OFF_GROUND_S: f64 = 15.0;
-/// After a gap of this length nothing is known of what was before, seconds.
+/// After a gap of this length nothing is assumed about what was before, seconds.
 const LOST_S: f64 = 600.0;
-/// Ground rises by no more than this a metre (45 degrees): lower nearby than that is air below.
+/// Steepest ground, metres a metre (45 degrees): if the vehicle was lower than that nearby, there is air
+/// below.
 const STEEPEST: f64 = 1.0;
-/// A hover lower than this is not told from the drift of a parked barometer, metres.
+/// A hover lower than this is not distinguished from the drift of a parked barometer, metres.
 const LEAST_HOVER_M: f64 = 4.0;
-/// Air below a hover is looked for so long before and after it, seconds: later, a velocity's drift has moved
-/// the place.
+/// Air below a hover is looked for within this time before and after it, seconds: later, the velocity's drift
+/// has moved the place.
 const NEARBY_S: f64 = 180.0;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -52,7 +52,7 @@ pub(super) fn airborne(blocks: &Blocks) -> Vec<AirborneInterval> {
     let all = &blocks.blocks;
     let kinds: Vec<Kind> = all.iter().map(|block| kind(blocks, block)).collect();
     let stands = grounds(blocks, &kinds);
-    // What lies between two stands, or beyond the first and the last, and what a long gap parts.
+    // The pieces between stands, before the first and after the last, split at long gaps.
     let mut bounds: Vec<Range<usize>> = Vec::new();
     let mut from = 0;
     for stand in &stands {
@@ -80,7 +80,7 @@ fn kind(blocks: &Blocks, block: &Block) -> Kind {
     let near_m = blocks.range_m(at_s - near_s, at_s + near_s);
     let wide_m = blocks.range_m(at_s - wide_s, at_s + wide_s);
     let is_fast = block.speed_mps.is_some_and(|speed| speed > FAST_MPS);
-    // Twice the tolerance within ten seconds: on the ground that would be stairs.
+    // Twice the tolerance within ten seconds: only stairs would do that on the ground.
     let climbs = near_m > 2.0 * tolerance_m;
     if climbs
         || (is_fast && wide_m > 1.5 * tolerance_m)
@@ -88,14 +88,14 @@ fn kind(blocks: &Blocks, block: &Block) -> Kind {
     {
         return Kind::Flying;
     }
-    // A block beside a climb stands if what lies before or after it does.
+    // A block beside a climb stands if its other side is level.
     let sides_m = [blocks.range_m(at_s - near_s, at_s), blocks.range_m(at_s, at_s + near_s)];
     let still_m = sides_m.into_iter().fold(f64::INFINITY, f64::min);
     let is_slow = block.speed_mps.is_none_or(|speed| speed <= SLOW_MPS);
     if is_slow && still_m <= 1.5 * tolerance_m { Kind::Standing } else { Kind::Unclear }
 }
 
-/// The stretches of standing on the ground that are long enough to say so.
+/// The stretches that last long enough to be standing on the ground.
 fn grounds(blocks: &Blocks, kinds: &[Kind]) -> Vec<Range<usize>> {
     let runs: Vec<Run> =
         runs(blocks, kinds).into_iter().filter_map(|range| Run::new(blocks, range)).collect();
@@ -112,13 +112,13 @@ fn grounds(blocks: &Blocks, kinds: &[Kind]) -> Vec<Range<usize>> {
             continue;
         }
         let is_up = if run.is_edge && run.seconds >= STANDING_S {
-            // Nobody's log begins or ends with a minute's hover; but a parked barometer drifts, and leaps
-            // when a cockpit is opened.
+            // No log begins or ends with a hover of a minute; but a parked barometer drifts, and jumps when a
+            // cockpit is opened.
             false
         } else if run.has_speed {
             is_above_air(blocks, &run) || hover.as_ref().is_some_and(|hover| hovers_on(blocks, hover, &run))
         } else {
-            // Without a speed there is no place either: what lies high in the middle of a log is level
+            // Without a speed there is no place either: a high stretch in the middle of a log is level
             // flight.
             !run.is_edge && run.height_m > lowest_m + 5.0 * blocks.tolerance_m
         };
@@ -138,7 +138,7 @@ struct Run {
     /// Height of its beginning, metres.
     height_m: f64,
     seconds: f64,
-    /// How long it must be to part two flights, seconds.
+    /// How long it must be to separate two flights, seconds.
     wanted_s: f64,
     has_speed: bool,
     /// Whether it is at the log's beginning or end.
@@ -161,8 +161,7 @@ impl Run {
     }
 }
 
-/// Runs of standing blocks without gaps in them; one block between two runs that is not clear does not part
-/// them.
+/// Runs of standing blocks without gaps; a single unclear block between two runs does not split them.
 fn runs(blocks: &Blocks, kinds: &[Kind]) -> Vec<Range<usize>> {
     let all = &blocks.blocks;
     let mut runs: Vec<Range<usize>> = Vec::new();
@@ -184,7 +183,7 @@ fn runs(blocks: &Blocks, kinds: &[Kind]) -> Vec<Range<usize>> {
     runs
 }
 
-/// Whether the vehicle has been so much lower, nearby and shortly before or after, that there is air below.
+/// Whether the vehicle was lower nearby, shortly before or after, by so much that there is air below.
 fn is_above_air(blocks: &Blocks, run: &Run) -> bool {
     let all = &blocks.blocks;
     let is_below = |own: &Block, other: &Block| {
@@ -202,8 +201,7 @@ fn is_above_air(blocks: &Blocks, run: &Run) -> bool {
         || after.take_while(|block| block.time_s - last.time_s < NEARBY_S).any(|block| is_below(last, block))
 }
 
-/// Whether a vehicle that hovered is hovering again: it has not been lower meanwhile, which it must be to
-/// land.
+/// Whether a vehicle that hovered still hovers: it has not been lower meanwhile, as it must be to land.
 fn hovers_on(blocks: &Blocks, hover: &Run, run: &Run) -> bool {
     let between = blocks.blocks.get(hover.range.end..run.range.end).unwrap_or_default();
     let least_m = hover.height_m - 2.0 * blocks.tolerance_m;
@@ -211,7 +209,7 @@ fn hovers_on(blocks: &Blocks, hover: &Run, run: &Run) -> bool {
     is_soon && between.iter().all(|block| block.height_m > least_m)
 }
 
-/// Height of the ground of a stand: of its first or its last moments.
+/// Height of the ground of a stand, from its first or its last moments.
 fn ground_m(blocks: &Blocks, stand: &Range<usize>, at_beginning: bool) -> f64 {
     let count = ((GROUND_S / blocks.length_s) as usize).max(1);
     let all = blocks.blocks.get(stand.clone()).unwrap_or_default();
@@ -221,7 +219,7 @@ fn ground_m(blocks: &Blocks, stand: &Range<usize>, at_beginning: bool) -> f64 {
     median(&mut heights).unwrap_or(0.0)
 }
 
-/// A stretch, parted where nothing is known of what happened for a long time.
+/// Splits a stretch where a long gap leaves it unknown what happened.
 fn parted(all: &[Block], range: Range<usize>) -> Vec<Range<usize>> {
     let mut parts = Vec::new();
     let mut from = range.start;
@@ -237,7 +235,7 @@ fn parted(all: &[Block], range: Range<usize>) -> Vec<Range<usize>> {
     parts
 }
 
-/// What happened between two stands, or between one and the log's end: a flight, if there is enough of it.
+/// The flight between two stands, or between one and the log's end, if there is enough motion for one.
 fn interval(
     blocks: &Blocks,
     kinds: &[Kind],
@@ -285,12 +283,12 @@ mod tests {
     use super::super::blocks::Heights;
     use super::*;
 
-    /// What the clock shows when the log begins, seconds.
+    /// The clock's time when the log begins, seconds.
     const START_S: f64 = 1_000.0;
-    /// What a receiver's heights show nothing below, metres.
+    /// Smallest significant change of a receiver's height, metres.
     const TOLERANCE_M: f64 = 6.0;
 
-    /// Blocks of some seconds at the receiver's tolerance, by height and speed of each.
+    /// Blocks of some seconds at the receiver's tolerance, each with a height and a speed.
     fn log(length_s: f64, course: impl Iterator<Item = (f64, Option<f64>)>) -> Blocks {
         let block = |(place, (height_m, speed_mps)): (usize, (f64, Option<f64>))| Block {
             time_s: START_S + place as f64 * length_s,
@@ -303,24 +301,25 @@ mod tests {
         Blocks { blocks, length_s, heights: Heights::Receiver, tolerance_m: TOLERANCE_M }
     }
 
-    /// So many blocks each at a height and a speed.
+    /// This many blocks, each at a height and a speed.
     fn stretches(length_s: f64, parts: &[(usize, f64, Option<f64>)]) -> Blocks {
         log(length_s, parts.iter().flat_map(|(count, height_m, speed)| vec![(*height_m, *speed); *count]))
     }
 
-    /// What the block in the middle of 101 seconds is, where the heights are those of the seconds since it.
+    /// The kind of the block in the middle of 101 seconds, whose height is a function of the seconds since
+    /// it.
     fn middle(speed_mps: Option<f64>, height_m: impl Fn(i32) -> f64) -> Kind {
         let blocks = log(1.0, (-50..=50).map(|since_s| (height_m(since_s), speed_mps)));
         kind(&blocks, &blocks.blocks[50])
     }
 
-    /// A height that rises by so much after a second.
+    /// A height that rises by this much after some seconds.
     fn step(after_s: i32, rise_m: f64) -> impl Fn(i32) -> f64 {
         move |since_s| if since_s > after_s { 200.0 + rise_m } else { 200.0 }
     }
 
-    /// Two tolerances within ten seconds are flight at any speed, one and a half within thirty at a speed
-    /// that nobody walks at, two and a half where no speed is known; no more than that is none.
+    /// It flies if its height changes by two tolerances within ten seconds at any speed, by one and a half
+    /// within thirty at a speed that nobody walks at, or by two and a half where no speed is known; no less.
     #[test]
     fn flight_moves_by_more_than_its_tolerance_in_height() {
         let is_flying = |speed_mps, after_s, rise_m| middle(speed_mps, step(after_s, rise_m)) == Kind::Flying;
@@ -332,12 +331,12 @@ mod tests {
             assert!(!is_flying(Some(4.0), after_s, 9.5), "a speed that a runner has");
             assert!(is_flying(None, after_s, 15.5) && !is_flying(None, after_s, 15.0));
         }
-        // What happens more than fifteen seconds away is not now.
+        // More than fifteen seconds away does not matter.
         assert!(!is_flying(Some(5.0), -20, 100.0) && !is_flying(None, 20, 100.0));
     }
 
-    /// It stands where it is slow and where its height was the same, within one and a half tolerances, for
-    /// five seconds before or after.
+    /// It stands where it is slow and its height stayed within one and a half tolerances for five seconds
+    /// before or after.
     #[test]
     fn standing_is_slow_and_level_on_one_side_at_least() {
         let is_standing =
@@ -345,15 +344,15 @@ mod tests {
         let valley = |depth_m: f64| move |since_s: i32| if since_s == 0 { 0.0 } else { depth_m };
         assert!(is_standing(Some(1.0), &valley(8.5)) && !is_standing(Some(1.0), &valley(10.0)));
         assert!(!is_standing(Some(3.0), &valley(0.0)), "walking is not standing");
-        // Ten metres within the five seconds after it, none in those before; and the other way about. What
-        // was long ago tells nothing.
+        // Ten metres within the five seconds after it and none in those before, or the reverse. What was long
+        // ago does not matter.
         let before = |since_s: i32| if since_s < -30 { 40.0 } else { step(2, 10.0)(since_s) };
         let after = |since_s: i32| if since_s > 30 { 40.0 } else { step(-3, 10.0)(since_s) };
         assert!(is_standing(Some(1.0), &before) && is_standing(None, &after));
     }
 
-    /// One block that is not clear parts no run of standing; two do, and so does one of flight or a gap in
-    /// the log.
+    /// One unclear block does not split a run of standing; two do, and so does one of flight or a gap in the
+    /// log.
     #[test]
     fn a_run_of_standing_bridges_one_unclear_block_and_no_gap() {
         use Kind::{Flying, Standing, Unclear};
@@ -372,7 +371,7 @@ mod tests {
     }
 
     /// Twenty seconds on the ground are a landing at the height of another stand, within two tolerances, and
-    /// none elsewhere.
+    /// not elsewhere.
     #[test]
     fn a_short_stand_is_a_landing_where_the_ground_is_known() {
         let with_stand = |height_m| {
@@ -384,9 +383,9 @@ mod tests {
         assert_eq!(flights(&with_stand(213.0)).len(), 1);
     }
 
-    /// Standing in the air for a minute and a half is a hover where the vehicle was lower at the same place,
-    /// and no landing; at the end of a log twenty seconds of it are one too. After minutes of hovering that
-    /// nothing below is known of, it hovers on.
+    /// Standing in the air for a minute and a half, where the vehicle was lower at the same place, is a hover
+    /// and no landing. At the end of a log twenty seconds are enough. After minutes of hovering, with nothing
+    /// lower recorded nearby any more, it still hovers.
     #[test]
     fn a_hover_parts_no_flight() {
         let parked = (60, 200.0, Some(0.0));
@@ -399,8 +398,8 @@ mod tests {
         assert_eq!(flights(&blocks), [(Some(60.0), Some(540.0))]);
     }
 
-    /// Without a speed a minute at one height is ground within five tolerances of the lowest, and level
-    /// flight above.
+    /// Without a speed, a minute at one height is ground within five tolerances of the lowest height, and
+    /// level flight above.
     #[test]
     fn without_a_speed_what_is_high_is_level_flight() {
         let over = |height_m| {
@@ -416,8 +415,8 @@ mod tests {
         assert_eq!([20.0, 30.0, 31.0, 100.0].map(over), [2, 2, 1, 1]);
     }
 
-    /// A run of ten blocks at a height and a place, after one block elsewhere that is `before_s` earlier and
-    /// one that is `after_s` later.
+    /// A run of ten blocks at a height and place, after a block elsewhere that is `before_s` earlier and
+    /// before one that is `after_s` later.
     fn above(height_m: f64, before: (f64, f64), after: (f64, f64)) -> (Blocks, Run) {
         let mut blocks = stretches(1.0, &[(12, height_m, Some(0.0))]);
         for (place, (seconds, lower_m), direction) in [(0, before, -1.0), (11, after, 1.0)] {
@@ -429,8 +428,8 @@ mod tests {
         (blocks, run)
     }
 
-    /// There is air below what was lower by more than two tolerances at the same place within three minutes
-    /// before or after.
+    /// There is air below if the vehicle was lower by more than two tolerances at the same place within three
+    /// minutes before or after.
     #[test]
     fn air_is_below_where_it_was_lower_shortly_before_or_after() {
         let is_up = |before, after| {
@@ -446,8 +445,8 @@ mod tests {
         assert!(is_above_air(&blocks, &Run::new(&blocks, 1..12).unwrap()));
     }
 
-    /// Ground may rise by a metre a metre: 500 m away, 500 m and two tolerances lower are a mountain's side.
-    /// Of another leg the place is not known.
+    /// Ground may rise by a metre a metre: 500 m away, 500 m and two tolerances lower is a mountain's side.
+    /// The place of another leg is not known.
     #[test]
     fn what_is_lower_far_away_is_ground_that_slopes() {
         let is_up = |height_m: f64, leg| {
@@ -463,7 +462,7 @@ mod tests {
         assert!(!is_up(612.5, 1));
     }
 
-    /// It hovers on as long as it stays above two tolerances below the hover, within ten minutes.
+    /// It still hovers while it stays above two tolerances below the hover, within ten minutes.
     #[test]
     fn a_hover_goes_on_until_it_has_been_lower() {
         let goes_on = |lowest_m, seconds: f64| {
@@ -478,8 +477,8 @@ mod tests {
         assert!(!goes_on(200.0, 600.0) && !goes_on(200.0, 700.0));
     }
 
-    /// The ground's height is the median of half a minute at the stand's beginning or end, whatever the
-    /// blocks' length.
+    /// The ground's height is the median of half a minute at the stand's beginning or end, whatever the block
+    /// length.
     #[test]
     fn the_height_of_the_ground_is_that_of_half_a_minute() {
         let blocks = log(2.0, (0..100).map(|place| (f64::from(place), Some(0.0))));
@@ -487,7 +486,7 @@ mod tests {
         assert_eq!(ground_m(&blocks, &(0..100), false), 92.0);
     }
 
-    /// Nothing is known across more than ten minutes without a block.
+    /// Nothing is assumed across more than ten minutes without a block.
     #[test]
     fn ten_minutes_of_nothing_part_a_stretch() {
         let mut blocks = stretches(1.0, &[(10, 200.0, None)]).blocks;
@@ -498,7 +497,7 @@ mod tests {
     }
 
     /// A stretch is a flight if it is fast for ten seconds, or off the ground by more than two tolerances for
-    /// fifteen; it begins and ends where it leaves the ground by more than one.
+    /// fifteen. It begins and ends where it leaves the ground by more than one tolerance.
     #[test]
     fn a_flight_is_long_enough_off_the_ground_or_fast() {
         let of = |length_s: f64, count: usize, height_m: f64, speed_mps: f64| {
@@ -516,14 +515,14 @@ mod tests {
         assert!(of(1.0, 60, 313.0, 1.0).is_some() && of(1.0, 60, 287.0, 1.0).is_some());
         assert!(of(2.0, 8, 313.0, 1.0).is_some() && of(2.0, 7, 313.0, 1.0).is_none());
         assert!(of(1.0, 60, 306.0, 4.0).is_none() && of(1.0, 60, 306.0, 4.5).is_some());
-        // Within one tolerance it has not left the ground; where it never does, all of it counts.
+        // Within one tolerance it has not left the ground; where it never leaves it, all of it counts.
         let ground = (20, 300.0, Some(0.0));
         let roll = (10, 306.0, Some(8.0));
         let blocks = stretches(1.0, &[ground, roll, (30, 330.0, Some(8.0)), roll, (90, 300.0, Some(0.0))]);
         assert_eq!(flights(&blocks), [(Some(30.0), Some(60.0))]);
     }
 
-    /// What goes on to the log's end was in the air until its last block's end.
+    /// A flight that continues to the log's end was in the air until its last block's end.
     #[test]
     fn a_flight_that_does_not_land_ends_with_the_log() {
         let blocks = stretches(2.0, &[(40, 200.0, Some(0.0)), (20, 300.0, Some(10.0))]);

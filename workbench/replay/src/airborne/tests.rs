@@ -1,7 +1,7 @@
 use super::*;
 use flight_data::{Channel, Column};
 
-/// A flight in whole seconds: height and speed over ground of each.
+/// A flight in whole seconds: height and speed over ground for each.
 struct Track {
     rows: Vec<(f32, f32)>,
 }
@@ -11,14 +11,14 @@ impl Track {
         Self { rows: vec![(height_m, 0.0)] }
     }
 
-    /// So many seconds more, at a climb rate and a speed.
+    /// Adds this many seconds at a climb rate and a speed.
     fn then(mut self, seconds: usize, climb_mps: f32, speed_mps: f32) -> Self {
         let from_m = self.rows.last().map_or(0.0, |row| row.0);
         self.rows.extend((1..=seconds).map(|k| (from_m + climb_mps * k as f32, speed_mps)));
         self
     }
 
-    /// The part of it from a second on.
+    /// The part of it from that second on.
     fn from(mut self, second: usize) -> Self {
         self.rows.drain(..second);
         self
@@ -30,7 +30,7 @@ impl Track {
             .map(|channel| (channel, Column::default()));
         for (row, (height_m, speed_mps)) in self.rows.iter().enumerate() {
             flight.time_s.push(row as f64);
-            // The receiver wanders by 2 m over a minute, the barometer has noise of some decimetres.
+            // The receiver wanders by 2 m over a minute; the barometer has some decimetres of noise.
             let wander_m = 2.0 * (row as f32 / 10.0).sin();
             let noise_m = 0.2 * ((row * 7919 % 13) as f32 - 6.0) / 6.0;
             let cells = [height_m + wander_m, height_m + 40.0 + noise_m, *speed_mps, 0.0];
@@ -42,7 +42,7 @@ impl Track {
 }
 
 /// A glider: a minute on the ground, a tow, a glide, a minute on the ground. It rolls from 60 s, lifts off at
-/// 80 s, and touches down at 680 s.
+/// 80 s and touches down at 680 s.
 fn glider() -> Track {
     Track::at(300.0)
         .then(60, 0.0, 0.0)
@@ -58,7 +58,7 @@ fn ends(flight: &Flight) -> Vec<(Option<f64>, Option<f64>)> {
     find(flight).airborne.iter().map(|o| (rounded(o.take_off_s), rounded(o.landing_s))).collect()
 }
 
-/// One time in the air, with both ends within some seconds.
+/// Exactly one time in the air, with both ends within some seconds.
 fn assert_one(flight: &Flight, take_off_s: f64, landing_s: f64) {
     let found = ends(flight);
     let [(Some(off_s), Some(down_s))] = found[..] else { panic!("{found:?}") };
@@ -108,7 +108,7 @@ fn wild_cells_and_gaps_move_nothing() {
         flight.channels[1].1.set(row, Some(wild));
         flight.channels[2].1.set(row + 1, Some(150.0));
     }
-    // Half a minute of nothing in the air, and ten seconds on the ground.
+    // No data for half a minute in the air and for ten seconds on the ground.
     for row in (300..330).chain(20..30) {
         flight.channels.iter_mut().for_each(|(_, column)| {
             column.set(row, None);
@@ -158,7 +158,7 @@ fn several_flights_are_told_apart_and_the_longest_is_found() {
     assert_eq!(place, 1);
     let landed_s = found.airborne[0].landing_s.unwrap();
     assert_eq!(longest.ground_from_s, Some(landed_s));
-    // A moment belongs to the flight that it is in, or on the ground before.
+    // A moment belongs to the flight that it is in, or the one that it is before.
     assert_eq!(found.around(100.0).unwrap().0, 0);
     assert_eq!(found.around(landed_s + 50.0).unwrap().0, 1);
     assert_eq!(found.around(longest.landing_s.unwrap() + 1.0), None);
@@ -166,7 +166,7 @@ fn several_flights_are_told_apart_and_the_longest_is_found() {
 
 #[test]
 fn a_copter_that_hovers_has_not_landed() {
-    // Straight up, a minute's hover, off to the side, a hover at the same height, back, and down.
+    // Straight up, a minute's hover, sideways, a hover at the same height, back, and down.
     let copter = Track::at(50.0)
         .then(30, 0.0, 0.0)
         .then(10, 2.0, 0.0)
@@ -176,7 +176,7 @@ fn a_copter_that_hovers_has_not_landed() {
         .then(10, -2.0, 0.0)
         .then(30, 0.0, 0.0);
     assert_one(&copter.flight(), 30.0, 190.0);
-    // But one that comes down between, and stands where it took off, has.
+    // A copter that comes down in between, and stands where it took off, has landed.
     let twice = Track::at(50.0).then(30, 0.0, 0.0).then(10, 1.0, 0.0).then(20, 0.0, 5.0).then(10, -1.0, 0.0);
     let twice =
         twice.then(20, 0.0, 0.0).then(10, 1.0, 0.0).then(20, 0.0, 5.0).then(10, -1.0, 0.0).then(20, 0.0, 0.0);
@@ -207,8 +207,7 @@ fn a_barometer_that_leaps_on_the_ground_is_no_flight() {
 
 #[test]
 fn a_receiver_that_settles_is_no_flight() {
-    // Its position runs and its altitude falls while the barometer stands still, as it does after a cold
-    // start.
+    // Its position and altitude drift while the barometer stays constant, as after a cold start.
     let mut flight = glider().flight();
     for row in 0..25 {
         flight.channels[0].1.set(row, Some(340.0 - 1.6 * row as f32));

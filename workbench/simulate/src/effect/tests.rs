@@ -30,7 +30,7 @@ const SENSORS: &str = r#"
     carrier_flow = {}
 "#;
 
-/// That flight with these effects.
+/// The same flight with these effects.
 fn flight(effects: &str) -> String {
     [HEAD, PLAN, SENSORS, effects].concat()
 }
@@ -38,7 +38,7 @@ fn flight(effects: &str) -> String {
 const RELEASE: usize = 20 * 200;
 const DT: f64 = 1.0 / 200.0;
 
-/// What a clean sensor reads too much, a row, with these effects injected; and the truth.
+/// The error of a clean sensor with these effects injected, a value for each row; and the truth.
 fn added(channel: Channel, effects: &str) -> (Vec<f64>, Vec<TruthSample>) {
     let read = |text: &str| {
         let scenario = Scenario::from_toml(text, "t").unwrap();
@@ -63,7 +63,7 @@ fn injection(id: &str, coefficient: f64, more: &str) -> String {
     format!("[[effect]]\nid = \"{id}\"\ncoefficient = {coefficient}\n{more}\n")
 }
 
-/// Rounding of the readings: of altitudes of some thousand metres, and for the barometer of the way to a
+/// Rounding of the readings: of altitudes of some thousand metres, and for the barometer of the conversion to
 /// pressure and back.
 const ROUNDING_M: f64 = 1e-8;
 
@@ -76,7 +76,7 @@ fn assert_adds(channel: Channel, id: &str, more: &str, regressor: impl Fn(&[Trut
         assert!((added - expected).abs() < ROUNDING_M, "{id} row {row}: {added} {expected}");
         largest = largest.max(expected.abs());
     }
-    // Compared with rounding, there was something to see.
+    // The effect is large compared with rounding.
     assert!(largest > 1e3 * ROUNDING_M, "{id}: {largest}");
 }
 
@@ -106,7 +106,7 @@ fn barometer_effects_add_coefficient_times_regressor() {
 
 #[test]
 fn hysteresis_lags_the_altitude_by_its_width() {
-    // Ten metres up, ten down, half a metre a row, with a play of two metres either way.
+    // Ten metres up, ten down, half a metre a row, with a play of two metres in either direction.
     let (_, mut truth) = added(Channel::BaroPa, &injection("baro.drift", 1.0, ""));
     truth.truncate(41);
     for (row, sample) in truth.iter_mut().enumerate() {
@@ -122,7 +122,8 @@ fn hysteresis_lags_the_altitude_by_its_width() {
     };
     for (row, value) in regressor(&effect, &truth, 0.0).into_iter().enumerate() {
         let row = row as f64;
-        // Low by up to the width on the way up; from there to high by the width within twice the width down.
+        // Low by up to the width on the way up; then, within twice the width on the way down, high by the
+        // width.
         let expected =
             if row <= 20.0 { (-0.25 * row).max(-1.0) } else { (0.25 * (row - 20.0) - 1.0).min(1.0) };
         assert!((value - expected).abs() < 1e-12, "{row}: {value} {expected}");
@@ -166,7 +167,7 @@ fn inertial_effects_that_grow_with_time_start_at_release() {
     assert_adds(imu, "imu.accel_bias", "phase = \"free\"", |truth, row| 0.5 * t(truth, row).powi(2));
 }
 
-/// Twice the trapezoid, from release on.
+/// Double trapezoidal integral, from release on.
 fn twice_integrated(truth: &[TruthSample], input: impl Fn(&TruthSample) -> f64) -> Vec<f64> {
     let (mut rate, mut value) = (0.0, 0.0);
     let mut integral = vec![0.0; RELEASE + 1];

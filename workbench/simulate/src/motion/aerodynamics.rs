@@ -8,7 +8,7 @@ use super::super::atmosphere::GRAVITY;
 use super::super::rotation::{Vector, norm, scale};
 use super::super::scenario::Airframe;
 
-/// The air as the aircraft meets it.
+/// The airflow relative to the aircraft.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flow {
     /// Unit vector of the aircraft's velocity through the air, body axes.
@@ -85,7 +85,7 @@ pub(super) fn trim(airframe: &Airframe, density: f64, airspeed: f64, path_rad: f
     };
     let (sine, cosine) = libm::sincos(path_rad);
     let mut trim = Trim { angle_of_attack_rad: 0.0, throttle: 0.0 };
-    // Thrust lifts a little and lift costs thrust: a contraction by about a hundred a turn.
+    // Thrust lifts a little and lift costs thrust: each iteration contracts the error by about a hundred.
     for _ in 0..8 {
         let flow = at(trim.angle_of_attack_rad);
         let lift = cosine - flow.thrust_load_factor(airframe, trim.throttle);
@@ -98,7 +98,7 @@ pub(super) fn trim(airframe: &Airframe, density: f64, airspeed: f64, path_rad: f
     trim
 }
 
-/// Throttle that gives an acceleration along the path (m/s^2), within what the engine has.
+/// Throttle that gives an acceleration along the path (m/s^2), within the engine's limits.
 pub(super) fn throttle_for(airframe: &Airframe, acceleration: f64) -> f64 {
     if airframe.maximum_thrust_n > 0.0 {
         (acceleration * airframe.mass_kg / airframe.maximum_thrust_n).clamp(0.0, 1.0)

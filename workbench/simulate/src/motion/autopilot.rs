@@ -1,4 +1,4 @@
-//! Who flies: turns the plan into targets, and targets into body rates and throttle.
+//! The autopilot: turns the plan into targets, and targets into body rates and throttle.
 
 use core::f64::consts::{PI, TAU};
 
@@ -9,25 +9,25 @@ use super::State;
 use super::aerodynamics::{self, Flow};
 use crate::scenario::Airframe;
 
-/// How fast the mother ship closes an altitude error, s.
+/// Time constant of the mother ship's altitude error, s.
 const ALTITUDE_TIME_CONSTANT_S: f64 = 5.0;
-/// How fast it closes a heading error, s.
+/// Time constant of its heading error, s.
 const HEADING_TIME_CONSTANT_S: f64 = 5.0;
-/// How fast an airspeed error is closed while thrust lasts, s.
+/// Time constant of an airspeed error, while thrust lasts, s.
 const AIRSPEED_TIME_CONSTANT_S: f64 = 3.0;
-/// How fast an angle of attack error is closed, s.
+/// Time constant of an angle of attack error, s.
 const ANGLE_TIME_CONSTANT_S: f64 = 0.25;
-/// How fast sideslip is closed, s.
+/// Time constant of sideslip, s.
 const SIDESLIP_TIME_CONSTANT_S: f64 = 0.5;
 /// Fastest roll towards a new bank, rad/s.
 const ROLL_RATE_LIMIT: f64 = 1.0;
 /// Largest bank that holds the mother ship's heading, rad.
 const HEADING_BANK_LIMIT: f64 = 0.3;
 
-/// Where the path is to go.
+/// Target of the path.
 #[derive(Clone, Copy, Debug)]
 enum Path {
-    /// An altitude that moves.
+    /// A moving altitude.
     Altitude { altitude: f64, climb_rate: f64, climb_acceleration: f64 },
     /// Angle above the horizon, rad.
     Angle(f64),
@@ -39,13 +39,13 @@ enum Lateral {
     Bank(f64),
 }
 
-/// What the autopilot is to reach.
+/// Targets of the autopilot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Target {
     path: Path,
     lateral: Lateral,
     airspeed: f64,
-    /// How fast the airspeed is to change, m/s^2.
+    /// Wanted rate of change of the airspeed, m/s^2.
     airspeed_rate: f64,
     load_factor_limits: Option<(f64, f64)>,
 }
@@ -74,7 +74,7 @@ impl Target {
 pub(super) struct Plan {
     captive: Captive,
     launch_s: Option<f64>,
-    /// Begin of each segment, s, and its target.
+    /// Start of each segment, s, and its target.
     segments: Vec<(f64, Target)>,
 }
 
@@ -113,7 +113,7 @@ impl Plan {
         Self { captive, launch_s: scenario.launch_s(), segments }
     }
 
-    /// The target at `time_s`, of the segment that flies at `row_s` (the begin of the row's step).
+    /// The target at `time_s` of the segment that is flown at `row_s` (the start of the row's step).
     pub(super) fn target(&self, row_s: f64, time_s: f64) -> Target {
         if self.launch_s.is_none_or(|launch_s| row_s < launch_s) {
             return self.trimmed(time_s);
@@ -144,7 +144,7 @@ impl Plan {
     }
 }
 
-/// What the autopilot asks for.
+/// Commands of the autopilot.
 pub(super) struct Command {
     /// Body rates, rad/s.
     pub(super) rate: Vector,
@@ -172,7 +172,7 @@ pub(super) fn command(
         (wanted_path - path) / airframe.path_time_constant_s + target.climb_acceleration() / airspeed;
     let (low, high) =
         target.load_factor_limits.unwrap_or((airframe.minimum_load_factor, airframe.maximum_load_factor));
-    // A knife-edge bank has no lift to turn the path with: no more than two g for each g upward.
+    // A knife-edge bank has no lift to turn the path with: at most two g for each g upward.
     let lift_share = cos_roll.max(0.25);
     let wanted_load = ((cos_path + airspeed * curvature / GRAVITY) / lift_share).clamp(low, high);
     let thrust_load = flow.thrust_load_factor(airframe, state.thrust);

@@ -1,10 +1,9 @@
 //! The aircraft's true motion: a point mass with attitude, over a flat earth, in double precision.
 //!
-//! Position, velocity, attitude, body rates and thrust are integrated together (Runge-Kutta, fourth
-//! order, one step a row), so that they are one motion: the specific force is what moves the aircraft,
-//! the body rates are what turns it, and the flow angles follow from both and the wind. Moments are not
-//! modelled: the autopilot commands body rates, which follow with a first-order lag. Altitude is
-//! geopotential, gravity constant.
+//! Position, velocity, attitude, body rates and thrust are integrated together (Runge-Kutta, fourth order,
+//! one step a row), so that they are consistent: the specific force moves the aircraft, the body rates turn
+//! it, and the flow angles follow from both and the wind. Moments are not modelled: the autopilot commands
+//! body rates, which follow with a first-order lag. Altitude is geopotential, gravity constant.
 
 mod aerodynamics;
 mod autopilot;
@@ -84,16 +83,16 @@ pub enum MotionError {
     /// It flew below sea level.
     #[error("the flight is below sea level at {time_s:.2} s: give it more altitude or less of a dive")]
     Ground {
-        /// When, s.
+        /// When it happened, s.
         time_s: f64,
     },
-    /// The linear aerodynamics do not hold.
+    /// The linear aerodynamics do not apply.
     #[error(
         "the flight leaves its envelope at {time_s:.2} s (airspeed {airspeed_mps:.1} m/s, angle of attack \
          {angle_of_attack_deg:.0} degrees): ask for a gentler manoeuvre or another airspeed"
     )]
     Envelope {
-        /// When, s.
+        /// When it happened, s.
         time_s: f64,
         /// Airspeed then, m/s.
         airspeed_mps: f64,
@@ -107,7 +106,7 @@ const ENVELOPE_RAD: f64 = 0.6;
 
 const STATES: usize = 15;
 
-/// What is integrated.
+/// The integrated state.
 #[derive(Clone, Copy)]
 struct State {
     /// North, east, down of the first row's point at sea level, m.
@@ -115,7 +114,7 @@ struct State {
     velocity: Vector,
     attitude: Attitude,
     rate: Vector,
-    /// Thrust over maximum thrust of the aircraft that flies.
+    /// Thrust over maximum thrust of the aircraft that is being integrated.
     thrust: f64,
     baro_temperature_k: f64,
 }
@@ -143,7 +142,7 @@ impl State {
     }
 }
 
-/// Everything of the scenario that the equations of motion need.
+/// Everything in the scenario that the equations of motion need.
 struct World<'a> {
     scenario: &'a Scenario,
     air: Air,
@@ -208,7 +207,7 @@ impl World<'_> {
         let middle = [0, 1, 2].map(|axis| 0.5 * (before[axis] + after[axis]));
         let x = state.pack();
         let slope = |stage: [f64; STATES], gust: Vector, offset: f64| {
-            // The target is the one of the row, so that a manoeuvre begins at a row.
+            // The target is that of the row, so that a manoeuvre begins at a row.
             let target = plan.target(time_s, time_s + offset);
             self.evaluate(&State::unpack(stage), gust, captive, &target).derivative
         };
@@ -309,14 +308,14 @@ pub fn fly(scenario: &Scenario, seed: u64) -> Result<Vec<TruthSample>, MotionErr
         let time_s = row as f64 / scenario.rate_hz;
         let captive = scenario.launch_s().is_none_or(|launch_s| time_s < launch_s);
         if was_captive && !captive {
-            // From here on the thrust is the UAV's own, with the setting it had under the pylon.
+            // From here on the thrust is the UAV's, at the setting it had under the pylon.
             state.thrust = scenario.captive.uav_throttle;
         }
         was_captive = captive;
 
         let now = world.evaluate(&state, gust, captive, &plan.target(time_s, time_s));
         let flow = &now.flow;
-        // Written so that a NaN is outside.
+        // Written so that a NaN counts as outside.
         if !(flow.angle_of_attack.abs() < ENVELOPE_RAD && flow.sideslip.abs() < ENVELOPE_RAD) {
             let angle_of_attack_deg = flow.angle_of_attack.to_degrees();
             return Err(MotionError::Envelope { time_s, airspeed_mps: flow.airspeed, angle_of_attack_deg });

@@ -111,8 +111,8 @@ fn strapdown_errors(flight: &[TruthSample]) -> [f64; 3] {
 
 #[test]
 fn inertial_samples_integrate_back_to_the_motion() {
-    // The navigator's own error is of second order in the step; what is left as the step shrinks would be an
-    // inconsistency of the simulated motion. So: halving the step quarters the error, in each phase
+    // The navigator's own error is of second order in the step; any error left as the step shrinks would be
+    // an inconsistency of the simulated motion. So halving the step must quarter the error, in each phase
     // (the specific force jumps at release, where the airframe changes).
     let errors = |rate: f64, captive: bool| {
         let mut scenario = scenario(ALL_MANOEUVRES);
@@ -138,7 +138,7 @@ fn inertial_samples_integrate_back_through_turbulence() {
     // A trapezoid's error over n steps of a force that jumps in slope by J at each is J dt^2 sqrt(n) / 12:
     // here 500 m/s^3, 1e4 steps, 0.1 m/s; a wrong sign or frame gives tens of metres a second.
     assert!(attitude < 1e-3 && velocity < 1e-1 && position < 1.0, "{attitude} {velocity} {position}");
-    // And they are rough enough to matter.
+    // And the rates are rough enough to matter.
     assert!(free.iter().any(|s| (s.load_factor() - 1.0).abs() > 0.2));
 }
 

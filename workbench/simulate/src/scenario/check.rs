@@ -1,4 +1,4 @@
-//! What a scenario's numbers must obey. Every message: the key, its value, what was expected.
+//! Checks a scenario's numbers. Every message gives the key, its value and what was expected.
 
 use super::plan::{Manoeuvre, Segment};
 use super::problem::{Expected, ScenarioProblem};
@@ -33,7 +33,7 @@ fn between(key: &str, value: f64, low: f64, high: f64) -> Check {
 }
 
 impl Scenario {
-    /// Says the first thing that cannot be simulated.
+    /// Returns the first thing that cannot be simulated.
     pub(super) fn check(&self) -> Check {
         if self.name.is_empty() || self.name.contains(['\n', '\r']) {
             return Err(ScenarioProblem::NotOneLine { keys: "`name`", is: "is empty or has a line break" });

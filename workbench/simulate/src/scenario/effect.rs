@@ -1,10 +1,10 @@
-//! The injected effects: causes that add `coefficient * regressor` metres to what a sensor reads.
+//! The injected effects: causes that add `coefficient * regressor` metres to a sensor's reading.
 
 use serde::{Deserialize, Serialize};
 
 macro_rules! effects {
     ($($(#[$doc:meta])* $variant:ident = $name:literal, $unit:literal;)*) => {
-        /// An effect that can be injected: the catalogue of DESIGN.md and one from outside of it.
+        /// An effect that can be injected: those of DESIGN.md's catalogue, and one that is not in it.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
         pub enum EffectId {
             $($(#[$doc])* #[serde(rename = $name)] $variant,)*
@@ -52,8 +52,8 @@ effects! {
     BaroAcceleration = "baro.acceleration", "m";
     /// `throttle^2`.
     BaroPropwash = "baro.propwash", "m";
-    /// Not in the catalogue: the sensor's elastic hysteresis, a play operator of half width `width_m` on
-    /// the altitude, over that width (-1 to 1, and of the sign opposite to the last large motion).
+    /// Not in the catalogue: the sensor's elastic hysteresis, a play operator of half width `width_m` on the
+    /// altitude, divided by that width (-1 to 1, with the sign opposite to the last large motion).
     BaroHysteresis = "baro.hysteresis", "m";
     /// `t`.
     ImuVelocityError = "imu.velocity_error", "m/s";
@@ -79,11 +79,11 @@ effects! {
     GpsLeverArm = "gps.lever_arm", "m";
 }
 
-/// In which phase an effect acts.
+/// The phase in which an effect acts.
 ///
-/// Its clock `t` and its integrals start with the phase: at launch for `free`, at the first row for
-/// `captive` and `both`. `h0`, `T0` and `V_latch` are always the values at launch (at the first row of a
-/// flight that has none).
+/// Its clock `t` and its integrals start with the phase: at launch for `free`, at the first row for `captive`
+/// and `both`. `h0`, `T0` and `V_latch` are always the values at launch (or at the first row of a flight
+/// without one).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InjectionPhase {
@@ -100,7 +100,7 @@ pub enum InjectionPhase {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Effect {
-    /// Which.
+    /// Which effect.
     pub id: EffectId,
     /// Its coefficient, in [`EffectId::unit`].
     pub coefficient: f64,

@@ -1,7 +1,6 @@
-//! A scenario: the TOML file that says what is flown, with which sensors, and what is wrong with them.
+//! A scenario: the TOML file that states what is flown, with which sensors and which errors.
 //!
-//! Every key has the unit in its name. A key that is absent has the default written here; a key that
-//! is not known is an error.
+//! Every key has the unit in its name. A missing key has the default given here; an unknown key is an error.
 
 mod check;
 mod effect;
@@ -29,13 +28,13 @@ pub use vehicle::{Airframe, Vehicle};
 pub struct Scenario {
     /// Name of the flight.
     pub name: String,
-    /// What the flight is, for its `source` line; it must not give the injected effects away.
+    /// Description of the flight for its `source` line; it must not reveal the injected effects.
     #[serde(default = "default_source")]
     pub source: String,
     /// Seed of every random number.
     #[serde(default = "default_seed")]
     pub seed: u64,
-    /// Rows a second; no sensor is faster.
+    /// Rows a second; no sensor may be faster.
     #[serde(default = "default_rate_hz")]
     pub rate_hz: f64,
     /// Latitude, degrees; only the Eotvos effect needs it.
@@ -47,7 +46,7 @@ pub struct Scenario {
     /// The mother ship.
     #[serde(default)]
     pub carrier: Airframe,
-    /// The day's air.
+    /// The atmosphere of the day.
     #[serde(default)]
     pub atmosphere: Atmosphere,
     /// The steady wind.
@@ -99,11 +98,11 @@ impl Scenario {
     }
 }
 
-/// The day's air: the standard one (ICAO Doc 7488) unless said otherwise.
+/// The atmosphere of the day: the standard one (ICAO Doc 7488) unless stated otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Atmosphere {
-    /// How much warmer than standard the air is at every pressure level, degrees Celsius.
+    /// Excess over the standard temperature at every pressure level, degrees Celsius.
     pub temperature_offset_c: f64,
     /// Pressure at mean sea level, Pa.
     pub sea_level_pressure_pa: f64,
@@ -115,7 +114,7 @@ impl Default for Atmosphere {
     }
 }
 
-/// The steady wind (where the air moves to) and its change with altitude.
+/// The steady wind (the direction the air moves to) and its change with altitude.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Wind {

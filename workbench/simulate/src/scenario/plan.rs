@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-/// What a segment asks of the autopilot.
+/// Kinds of manoeuvre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Manoeuvre {
@@ -41,7 +41,7 @@ impl Manoeuvre {
     }
 }
 
-/// One manoeuvre. Any segment may set a new airspeed target; the last one holds.
+/// One manoeuvre. Any segment may set a new airspeed target, which then holds until the next one.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Segment {
@@ -55,7 +55,7 @@ pub struct Segment {
     pub airspeed_mps: Option<f64>,
     /// Bank (turn), degrees.
     pub bank_deg: Option<f64>,
-    /// Load factor limit while the path changes: the lowest in a dive, the highest in a climb, level-off
-    /// or pull-up. Without it, the airframe's.
+    /// Load factor limit while the path changes: the lowest in a dive, the highest in a climb, level-off or
+    /// pull-up. If missing, the airframe's.
     pub load_factor: Option<f64>,
 }

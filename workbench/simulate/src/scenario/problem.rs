@@ -1,22 +1,22 @@
-//! What is wrong with a scenario.
+//! Errors in a scenario.
 
 use thiserror::Error;
 
 use super::plan::Manoeuvre;
 
-/// What is wrong with a scenario; displays as one line, without the file's name.
+/// An error in a scenario; displayed as one line, without the file's name.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ScenarioProblem {
-    /// It is not TOML, or not of a scenario's keys.
+    /// It is not TOML, or has keys that no scenario has.
     #[error("{hint}")]
     Syntax {
-        /// What TOML says in one line, with the key that an unknown one may be a slip of.
+        /// TOML's message in one line, with the key that an unknown one may be a misspelling of.
         hint: String,
-        /// What TOML says.
+        /// TOML's error.
         source: Box<toml::de::Error>,
     },
-    /// A text that has to be one line.
+    /// A text that must be one line.
     #[error("{keys} {is}: expected one line")]
     NotOneLine {
         /// The key, or the keys.
@@ -24,14 +24,14 @@ pub enum ScenarioProblem {
         /// What it is instead.
         is: &'static str,
     },
-    /// A number outside of its range.
+    /// A number outside its range.
     #[error("`{key}` is {value}: expected {expected}")]
     Number {
         /// The key.
         key: String,
         /// Its value.
         value: f64,
-        /// What it has to be.
+        /// What was expected.
         expected: Expected,
     },
     /// A key that belongs to something else.
@@ -54,19 +54,19 @@ pub enum ScenarioProblem {
         /// The key.
         key: &'static str,
     },
-    /// A path that goes up where it has to go down, or down where it has to go up, or is missing.
+    /// A path whose direction is wrong (up instead of down, or down instead of up) or missing.
     #[error("`{at}`: a {name} needs `flight_path_deg` {side} 0", name = manoeuvre.name())]
     WrongWay {
         /// Where.
         at: String,
-        /// What.
+        /// The manoeuvre.
         manoeuvre: Manoeuvre,
         /// `below` or `above`.
         side: &'static str,
     },
 }
 
-/// What a number has to be.
+/// What is expected of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Expected {
     /// Neither infinite nor NaN.
@@ -78,10 +78,10 @@ pub enum Expected {
     /// Not less than zero.
     #[error("0 or more")]
     NotNegative,
-    /// In a range, its ends included.
+    /// Within a range, its ends included.
     #[error("{0} to {1}")]
     Between(f64, f64),
-    /// Not more often than there are rows.
+    /// At most the rate of the rows.
     #[error("at most the rows' {0} Hz")]
     RowRate(f64),
 }

@@ -1,11 +1,11 @@
-//! Reading a scenario, with errors of one line.
+//! Reads a scenario; every error is one line.
 
 use std::fmt;
 
 use super::Scenario;
 use super::problem::ScenarioProblem;
 
-/// What is wrong with a scenario: where, what, and what was expected.
+/// An error in a scenario: where it is, what it is, and what was expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct ScenarioError {
     /// The file's name.
@@ -31,7 +31,8 @@ impl Scenario {
     /// Reads a scenario from text; `file` is the name used in errors.
     ///
     /// # Errors
-    /// When the text is no TOML, has an unknown key or lacks one, or asks for what cannot be simulated.
+    /// When the text is not TOML, has an unknown key or lacks one, or asks for something that cannot be
+    /// simulated.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, ScenarioError> {
         let scenario: Self = toml::from_str(text).map_err(|error| ScenarioError {
             file: file.to_owned(),
@@ -50,8 +51,8 @@ fn line_of(text: &str, offset: usize) -> usize {
     text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1
 }
 
-/// Turns serde's "unknown field `x`, expected one of `a`, `b`" into a hint at the nearest name, when
-/// there is one; always one line.
+/// Turns serde's "unknown field `x`, expected one of `a`, `b`" into a hint at the nearest name, if there is
+/// one; always one line.
 fn with_nearest_name(message: &str) -> String {
     let message = message.lines().map(str::trim).collect::<Vec<_>>().join("; ");
     if !message.starts_with("unknown ") {
@@ -59,7 +60,7 @@ fn with_nearest_name(message: &str) -> String {
     }
     let mut quoted = message.split('`').skip(1).step_by(2);
     let Some(wrong) = quoted.next() else { return message };
-    // A third of the letters wrong is as far as a slip goes.
+    // At most a third of the letters may be wrong for a misspelling.
     let reach = (wrong.len() / 3).max(2);
     let nearest = quoted
         .map(|name| (strsim::damerau_levenshtein(wrong, name), name))

@@ -6,14 +6,14 @@ use serde::Deserialize;
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Interval {
-    /// Its begin, s since the first row.
+    /// Start, s since the first row.
     pub start_s: f64,
     /// Its length, s.
     pub duration_s: f64,
 }
 
 impl Interval {
-    /// Whether a time lies in it (its end does not).
+    /// Whether a time lies in it (the end is excluded).
     #[must_use]
     pub fn contains(&self, time_s: f64) -> bool {
         time_s >= self.start_s && time_s < self.start_s + self.duration_s
@@ -32,13 +32,13 @@ pub struct Noise {
     pub wander_time_s: f64,
 }
 
-/// When a sensor delivers. A scenario that sets it gives the rate.
+/// When a sensor delivers. If set in a scenario, it must give the rate.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sampling {
     /// Samples a second.
     pub rate_hz: f64,
-    /// Whether the flight has the sensor at all.
+    /// Whether the flight has this sensor.
     #[serde(default = "enabled")]
     pub enabled: bool,
     /// Age of a sample when it is delivered, s.
@@ -64,7 +64,7 @@ impl Sampling {
     }
 }
 
-/// What the mother ship's disturbed flow adds to a sensor under the pylon; gone at release.
+/// Error that the mother ship's disturbed flow adds to a sensor under the pylon; none after release.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CarrierFlow {
@@ -72,7 +72,7 @@ pub struct CarrierFlow {
     pub sigma_m: f64,
     /// Correlation time, s: an eddy's size over the airspeed.
     pub correlation_time_s: f64,
-    /// How much larger it is while settling.
+    /// Factor by which it is larger during the settling time.
     pub settling_factor: f64,
 }
 
@@ -167,7 +167,7 @@ impl Default for AltitudeSensor {
 pub struct ColdStart {
     /// Altitude error at the first row, m.
     pub altitude_error_m: f64,
-    /// How fast it decays, s.
+    /// Time constant of its decay, s.
     pub time_constant_s: f64,
     /// Satellites at the first row.
     pub satellites: u8,
@@ -191,15 +191,15 @@ pub struct Gps {
     pub smoothing_s: f64,
     /// Satellites in use.
     pub satellites: u8,
-    /// Reported accuracy over the true spread.
+    /// Ratio of the reported accuracy to the true spread.
     pub accuracy_factor: f64,
-    /// Cold start at the first row; without it the receiver has converged.
+    /// Cold start at the first row; if missing, the receiver has converged.
     pub cold_start: Option<ColdStart>,
     /// Whether rows between fixes repeat the last one.
     pub hold: bool,
-    /// Whether the flight has the receiver's time of each fix (`gps_time_s`), which tells a held fix.
+    /// Whether the flight has the receiver's time of each fix (`gps_time_s`), which identifies held fixes.
     pub fix_time: bool,
-    /// Stretches in which the receiver goes on sending the last fix.
+    /// Stretches in which the receiver keeps sending the last fix.
     pub freezes: Vec<Interval>,
 }
 

@@ -32,7 +32,7 @@ pub struct Airframe {
     pub lift_slope_per_rad: f64,
     /// Angle of attack of zero lift, degrees.
     pub zero_lift_angle_deg: f64,
-    /// Largest angle of attack that the autopilot asks for, degrees.
+    /// Largest angle of attack that the autopilot commands, degrees.
     pub maximum_angle_deg: f64,
     /// Drag coefficient at zero lift.
     pub zero_lift_drag: f64,
@@ -42,17 +42,17 @@ pub struct Airframe {
     pub side_force_slope_per_rad: f64,
     /// Thrust at full throttle, N; 0 for a glider.
     pub maximum_thrust_n: f64,
-    /// How fast the autopilot closes a flight-path error, s.
+    /// Time constant of the flight-path error, s.
     pub path_time_constant_s: f64,
-    /// How fast it closes a bank error, s.
+    /// Time constant of the bank error, s.
     pub bank_time_constant_s: f64,
-    /// How fast body rates follow their commands, s.
+    /// Time constant with which body rates follow their commands, s.
     pub rate_time_constant_s: f64,
-    /// How fast thrust follows the throttle lever, s.
+    /// Time constant with which thrust follows the throttle lever, s.
     pub engine_time_constant_s: f64,
-    /// Lowest load factor that the autopilot asks for.
+    /// Lowest load factor that the autopilot commands.
     pub minimum_load_factor: f64,
-    /// Highest load factor that the autopilot asks for.
+    /// Highest load factor that the autopilot commands.
     pub maximum_load_factor: f64,
 }
 

@@ -36,7 +36,8 @@ impl FlowSource {
     }
 }
 
-/// What every altitude sensor shares: `clean` is its altitude without noise (truth, effects, bias), a row.
+/// Common part of all altitude sensors: `clean` is the altitude without noise (truth, effects, bias), a value
+/// for each row.
 struct Altimeter<'a> {
     flight: &'a [TruthSample],
     clean: &'a dyn Fn(usize) -> Option<f64>,
@@ -55,8 +56,8 @@ impl Altimeter<'_> {
     }
 }
 
-/// The barometer's pressure (Pa) and temperature (degrees Celsius). `effects_m` is what the injected
-/// effects add to its pressure altitude, a row.
+/// The barometer's pressure (Pa) and temperature (degrees Celsius). `effects_m` is the sum of the injected
+/// effects on its pressure altitude, a value for each row.
 pub(in super::super) fn baro(
     sensor: &Barometer,
     flight: &[TruthSample],
@@ -92,7 +93,7 @@ pub(in super::super) fn baro(
 /// Which inertial altitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum ImuAltitude {
-    /// The mother ship's: it stays with her at launch.
+    /// The mother ship's: it stays with the mother ship at launch.
     Master,
     /// The UAV's.
     Slave,

@@ -22,7 +22,7 @@ const CHANNELS: [Channel; 7] = [
 
 type Fix = [f64; 7];
 
-/// The fixes. `effects_m` is what the injected effects add to the altitude, a row.
+/// The fixes. `effects_m` is the sum of the injected effects on the altitude, a value for each row.
 pub(in super::super) fn gps(
     sensor: &Gps,
     flight: &[TruthSample],

@@ -1,4 +1,4 @@
-//! What the sensors make of the truth: when a sample is taken, how old it is, its noise, its resolution.
+//! Simulates the sensors' sampling of the truth: when a sample is taken, its age, noise and resolution.
 
 mod altitude;
 mod gps;
@@ -24,8 +24,8 @@ struct Due {
     row: usize,
     /// Time of the row, s.
     time_s: f64,
-    /// Position of what is sampled among the rows: the row less the latency; negative before the first
-    /// row, whose past nobody knows.
+    /// Position of what is sampled among the rows: the row less the latency; negative before the first row,
+    /// where nothing is known.
     source: f64,
     lost: bool,
 }
@@ -87,9 +87,9 @@ impl NoiseSource {
     }
 }
 
-/// Rounds to a multiple of the resolution; 0 is none.
+/// Rounds to a multiple of the resolution; 0 means no rounding.
 fn quantise(value: f64, quantum: f64) -> f64 {
-    // Adding zero turns a negative zero into the zero that a converter has.
+    // Adding zero turns a negative zero into a positive one, as a converter has.
     if quantum > 0.0 { libm::rint(value / quantum) * quantum + 0.0 } else { value }
 }
 

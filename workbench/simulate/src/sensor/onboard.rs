@@ -6,7 +6,7 @@ use super::super::scenario::{AirData, AttitudeSensor, Inertial};
 use super::{NoiseSource, Readings, Series, between, quantise, schedule};
 use flight_data::Channel;
 
-/// Specific force (with the vibration that the engine makes) and body rates.
+/// Specific force (with the engine's vibration) and body rates.
 pub(in super::super) fn inertial(
     sensor: &Inertial,
     flight: &[TruthSample],

@@ -1,7 +1,7 @@
 //! The ziggurat of 256 equal areas under the normal density: `rand_distr`'s tables (The Rand Project
 //! Developers, MIT or Apache-2.0).
 
-/// Where the right-most area begins, and the tail.
+/// Start of the right-most area and of the tail.
 pub const TAIL: f64 = 3.654_152_885_361_009;
 
 /// Abscissae of the areas' edges.
@@ -61,7 +61,7 @@ pub static EDGES: [f64; 257] = [
     0.2152418959132738, 0.0,
 ];
 
-/// The density there, but for its constant.
+/// The density at these edges, without its constant factor.
 #[rustfmt::skip]
 pub static DENSITIES: [f64; 257] = [
     0.000477467764586655, 0.001260285930498598, 0.002609072746106363, 0.004037972593371872, 0.005522403299264754,

@@ -1,4 +1,4 @@
-//! The sheet that a figure is drawn on: its title, its panels one above the other.
+//! The sheet that a figure is drawn on: its title, and its panels one above the other.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -11,18 +11,18 @@ use super::panel::Panel;
 pub(super) const SCALE: i32 = 3;
 /// Width of a figure in CSS pixels.
 const WIDTH: i32 = 960;
-/// Heights of one panel: of several, and of one or two.
+/// Height of one panel, if there are several, and if there are one or two.
 const PANEL_HEIGHT: i32 = 215;
 const TALL_PANEL_HEIGHT: i32 = 310;
 /// Height of the title.
 const TITLE_HEIGHT: i32 = 72;
 const DARK_GREY: RGBColor = RGBColor(90, 90, 90);
-/// Longer subtitles are cut; this many characters fit.
+/// Longest subtitle, characters: longer ones are cut.
 const SUBTITLE_CHARACTERS: usize = 150;
 
 pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
-/// Draws a title, two lines below it, and the panels. Lines that are too long are cut.
+/// Draws a title, two lines below it, and the panels. Lines that do not fit are cut.
 ///
 /// # Errors
 /// [`DrawingError`].
@@ -71,7 +71,7 @@ fn shortened(text: String) -> String {
     format!("{cut}…")
 }
 
-/// Shows the drawing at its true size; its coordinates stay as they are.
+/// Shows the drawing at its true size; its coordinates do not change.
 fn at_true_size(svg: &str, size: (u32, u32), height: i32) -> String {
     let drawn = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
     svg.replacen(&drawn, &format!("width=\"{WIDTH}\" height=\"{height}\""), 1)

@@ -1,4 +1,4 @@
-//! A described diagram as a panel.
+//! Draws a described diagram as a panel.
 
 use std::ops::Range;
 
@@ -7,16 +7,16 @@ use plotters::style::RGBColor;
 use super::panel::{Layer, Panel, range};
 use crate::chart::{Chart, Level, Role, Values};
 
-/// Which panels of a sheet have their layers' names above them.
+/// Which panels of a sheet have a legend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Legends {
-    /// The first: the others have the same layers.
+    /// Only the first: the others have the same layers.
     First,
-    /// Each.
+    /// Every panel.
     Each,
 }
 
-/// Diagrams over one horizontal axis, whose name stands below the last.
+/// Diagrams over one horizontal axis, whose name is below the last.
 #[must_use]
 pub fn stack(charts: &[Chart], legends: Legends) -> Vec<Panel<'_>> {
     let mut panels: Vec<Panel<'_>> = charts.iter().map(Panel::of).collect();
@@ -31,8 +31,8 @@ pub fn stack(charts: &[Chart], legends: Legends) -> Vec<Panel<'_>> {
 }
 
 impl<'a> Panel<'a> {
-    /// What a description says, drawn in this order: bands, limits, curves, sigmas (a dense curve would hide
-    /// them), moments.
+    /// The layers of a described diagram, drawn in this order: bands, limits, curves, sigmas (a dense curve
+    /// would hide them), moments.
     #[must_use]
     pub fn of(chart: &'a Chart) -> Self {
         let levels = |is_wanted: fn(Role) -> bool| {
@@ -90,7 +90,7 @@ impl<'a> Panel<'a> {
     }
 }
 
-/// Where a column has values: a curve goes straight from one to the next.
+/// The points of a column that have values: a curve is straight between them.
 fn points(chart: &Chart, values: &Values) -> Vec<(f64, f64)> {
     chart.x.iter().zip(values).filter_map(|(x, y)| Some((*x, (*y)?))).collect()
 }
@@ -174,7 +174,7 @@ mod tests {
             let [red, green, blue] = role.ink().line;
             assert!(svg.contains(&format!("#{red:02X}{green:02X}{blue:02X}")), "{role:?}");
         }
-        // Three dots and three knots, and a sample of the dots in the legend.
+        // Three dots and three knots, and one sample dot in the legend.
         assert_eq!(svg.matches("<circle").count(), 7, "{svg}");
     }
 
@@ -182,14 +182,14 @@ mod tests {
     fn named_places_stand_below_their_own_panel() {
         let charts = [chart(), chart()];
         let svg = sheet("", [String::new(), String::new()], &stack(&charts, Legends::First)).unwrap();
-        // Heights of the two panels' names, in the drawing's own pixels.
+        // Vertical positions of the two panels' names, in the drawing's own pixels.
         let heights: Vec<f64> = svg
             .split("<text")
             .filter(|text| text.contains("\nat first\n"))
             .filter_map(|text| text.split(" y=\"").nth(1)?.split('"').next()?.parse().ok())
             .collect();
         let [above, below] = heights[..] else { panic!("{heights:?}") };
-        // Two tall panels share the sheet below the title, with its margin.
+        // Two tall panels share the sheet below the title and its margin.
         let panel = 3.0 * (310.0 + 8.0 / 2.0);
         assert!((below - above - panel).abs() < 3.0, "{heights:?}");
     }

@@ -1,4 +1,4 @@
-//! The names of a diagram's layers, in one line above it, where they hide nothing.
+//! The names of a diagram's layers, in one line above it, where they cover nothing.
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -7,18 +7,18 @@ use super::DrawingError;
 use super::canvas::{Area, SCALE};
 use super::panel::{DASH, DOT, GAP, LEGEND_HEIGHT, Layer};
 
-/// Length of a sample of a line.
+/// Length of a line's sample.
 const SAMPLE: i32 = 20 * SCALE;
-/// From a sample to its name, and from a name to the next sample.
+/// Space between a sample and its name, and between a name and the next sample.
 const SPACE: i32 = 6 * SCALE;
 const BETWEEN: i32 = 20 * SCALE;
-/// Size of the names, and the mean width of a character at that size.
+/// Font size of the names, and the mean width of a character at that size.
 const TEXT: i32 = 12 * SCALE;
 const CHARACTER: i32 = TEXT * 56 / 100;
-/// Margin to the right, as the diagram's.
+/// Right margin, the same as the diagram's.
 const RIGHT: i32 = 18 * SCALE;
 
-/// Draws the names of the layers that have one, right-aligned at the area's top.
+/// Draws the names of the layers that have one, right-aligned at the top of the area.
 pub(super) fn draw(area: &Area<'_>, layers: &[Layer<'_>]) -> Result<(), DrawingError> {
     let named: Vec<&Layer<'_>> = layers.iter().filter(|layer| !layer.name().is_empty()).collect();
     let width_of = |layer: &Layer<'_>| SAMPLE + SPACE + CHARACTER * layer.name().chars().count() as i32;
@@ -53,7 +53,7 @@ fn sample(area: &Area<'_>, layer: &Layer<'_>, x: i32, y: i32) -> Result<(), Draw
         Layer::Dots { colour, .. } => {
             area.draw(&Circle::new((x + SAMPLE / 2, y), DOT, colour.filled()))?;
         }
-        // It stands on the axis itself.
+        // Its name is on the axis itself.
         Layer::Place { .. } => {}
         Layer::Moment { colour, .. } => {
             let line = [(x + SAMPLE / 2, y - 7 * SCALE), (x + SAMPLE / 2, y + 7 * SCALE)];

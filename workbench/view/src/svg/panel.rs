@@ -11,26 +11,26 @@ use super::{DrawingError, legend};
 
 pub use plotters::style::BLACK;
 
-/// Of an estimate.
+/// Colour of an estimate.
 pub const BLUE: RGBColor = RGBColor(0, 90, 160);
-/// Of a dense series.
+/// Colour of a dense series.
 pub const LIGHT_BLUE: RGBColor = RGBColor(95, 155, 210);
-/// Of the band around an estimate.
+/// Colour of the band around an estimate.
 pub const PALE_BLUE: RGBColor = RGBColor(205, 224, 241);
-/// Of an average.
+/// Colour of an average.
 pub const GREEN: RGBColor = RGBColor(0, 150, 60);
-/// Of a limit.
+/// Colour of a limit.
 pub const GREY: RGBColor = RGBColor(120, 120, 120);
-/// Of a bound: dark enough to be seen over a dense blue series.
+/// Colour of a bound: dark enough to be visible over a dense blue series.
 pub const ORANGE: RGBColor = RGBColor(150, 45, 0);
-/// Of what lies within a limit.
+/// Colour of the area within a limit.
 pub const PALE_GREY: RGBColor = RGBColor(238, 238, 238);
-/// Of a moment of the flight.
+/// Colour of a moment of the flight.
 pub const MAGENTA: RGBColor = RGBColor(214, 0, 170);
 
-/// Height of the names above a diagram, CSS pixels.
+/// Height of the legend above a diagram, CSS pixels.
 pub(super) const LEGEND_HEIGHT: i32 = 24;
-/// A dash, and the gap after it.
+/// Length of a dash, and of the gap after it.
 pub(super) const DASH: i32 = 7 * SCALE;
 pub(super) const GAP: i32 = 5 * SCALE;
 
@@ -39,8 +39,8 @@ pub(super) const DOT: i32 = 2 * SCALE;
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// What is drawn, in this order, bands below everything else. Names stand in the legend; what has an empty
-/// name does not.
+/// Layers, drawn in this order, with bands below everything else. Their names appear in the legend, unless
+/// empty.
 #[derive(Clone, Debug)]
 pub enum Layer<'a> {
     /// A filled area between two curves.
@@ -56,7 +56,7 @@ pub enum Layer<'a> {
     },
     /// A curve.
     Curve {
-        /// What it passes through.
+        /// The points that it passes through.
         points: Vec<(f64, f64)>,
         /// Its colour.
         colour: RGBColor,
@@ -67,7 +67,7 @@ pub enum Layer<'a> {
     },
     /// A dashed horizontal line.
     Level {
-        /// Where.
+        /// Its value.
         value: f64,
         /// Its colour.
         colour: RGBColor,
@@ -76,23 +76,23 @@ pub enum Layer<'a> {
     },
     /// Dots.
     Dots {
-        /// Where.
+        /// Their positions.
         points: Vec<(f64, f64)>,
         /// Their colour.
         colour: RGBColor,
         /// Their name.
         name: &'a str,
     },
-    /// A name on the horizontal axis; where there are such, the axis has no numbers.
+    /// A named position on the horizontal axis; with these, the axis has no numbers.
     Place {
-        /// Where.
+        /// Its position.
         at: f64,
-        /// What stands there.
+        /// Its name.
         name: &'a str,
     },
     /// A vertical line.
     Moment {
-        /// Where.
+        /// Its position.
         at: f64,
         /// Its colour.
         colour: RGBColor,
@@ -102,7 +102,7 @@ pub enum Layer<'a> {
 }
 
 impl Layer<'_> {
-    /// The name in the legend; empty for none.
+    /// The name in the legend; empty if it has none.
     pub(super) fn name(&self) -> &str {
         match self {
             Self::Band { name, .. } | Self::Curve { name, .. } | Self::Level { name, .. } => name,
@@ -116,17 +116,17 @@ impl Layer<'_> {
 /// A diagram: layers over axes.
 #[derive(Clone, Debug)]
 pub struct Panel<'a> {
-    /// What the horizontal axis spans.
+    /// Range of the horizontal axis.
     pub x_range: Range<f64>,
-    /// What the vertical axis spans. What lies outside is cut off.
+    /// Range of the vertical axis; anything outside is cut off.
     pub y_range: Range<f64>,
-    /// What is along the horizontal axis, with its unit.
+    /// Name of the horizontal axis, with its unit.
     pub x_name: &'a str,
-    /// What is along the vertical axis, with its unit.
+    /// Name of the vertical axis, with its unit.
     pub y_name: String,
-    /// What is drawn.
+    /// The layers.
     pub layers: Vec<Layer<'a>>,
-    /// Whether the layers' names stand above the diagram.
+    /// Whether the panel has a legend above it.
     pub has_legend: bool,
 }
 
@@ -203,7 +203,7 @@ impl Panel<'_> {
             Layer::Place { at, name } => {
                 let below = (at - self.x_range.start) / (self.x_range.end - self.x_range.start);
                 let area = chart.plotting_area();
-                // Both in pixels of the whole sheet; text is placed within the panel.
+                // Both are in pixels of the whole sheet; text is positioned within the panel.
                 let (across, down) = (area.get_x_axis_pixel_range(), area.get_y_axis_pixel_range());
                 let (left, top) = sheet.get_base_pixel();
                 let x = across.start + (below * f64::from(across.end - across.start)) as i32 - left;
@@ -220,20 +220,20 @@ impl Panel<'_> {
         Ok(())
     }
 
-    /// Points within the diagram: the backend does not clip.
+    /// Limits points to the diagram, because the backend does not clip.
     fn clamped(&self, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         let y = |value: f64| value.clamp(self.y_range.start, self.y_range.end);
         points.iter().map(|&(x, value)| (x, y(value))).collect()
     }
 }
 
-/// The parts of a line that lie within the range, cut where it leaves.
+/// The parts of a line that lie within the range, cut at its limits.
 fn clipped(points: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
     let mut parts: Vec<Vec<(f64, f64)>> = Vec::new();
     let mut is_open = false;
     for pair in points.windows(2) {
         let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
-        // The shares of the way at which the segment enters and leaves the range.
+        // Fractions of the segment at which it enters and leaves the range.
         let (mut enter, mut leave) = (0.0, 1.0);
         if y0 == y1 {
             if !(range.start..=range.end).contains(&y0) {
@@ -262,7 +262,7 @@ fn clipped(points: &[(f64, f64)], range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
     parts
 }
 
-/// Range of the finite values with a margin; never empty.
+/// Range of the finite values, with a margin; never empty.
 pub fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (least, greatest) = values
         .filter(|value| value.is_finite())

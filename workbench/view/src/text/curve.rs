@@ -1,14 +1,14 @@
-//! Charts in letters: the curve of each in braille, one above the other over a common axis.
+//! Draws charts in characters: the curve of each in braille, one above the other over a common axis.
 
 use std::fmt::Write as _;
 
 use crate::chart::Chart;
 
-/// Letters of a picture, across; each has two by four dots.
+/// Width of a picture, characters; each has two by four dots.
 const ACROSS: usize = 64;
 
-/// The first curve of each chart, that many letters high; the axis, with its moments, is the last one's. Two
-/// charts make a text of their heights and four lines. A chart without values is left empty.
+/// Draws the first curve of each chart, this many characters high; the axis, with its moments, is that of the
+/// last chart. Two charts give a text of their heights plus four lines. A chart without values is left empty.
 #[must_use]
 pub fn stack(charts: &[(&Chart, usize)]) -> String {
     let mut text = String::new();
@@ -56,14 +56,14 @@ fn axis(text: &mut String, chart: &Chart) {
     let _ = writeln!(text, "{:>12}{}", "", labels.trim_end());
 }
 
-/// Where the axis starts and ends; never the same.
+/// Start and end of the axis; never equal.
 fn ends(chart: &Chart) -> [f64; 2] {
     let of_data = [chart.x.first().copied().unwrap_or(0.0), chart.x.last().copied().unwrap_or(0.0)];
     let [start, end] = chart.x_range.unwrap_or(of_data);
     if end > start { [start, end] } else { [start, start + 1.0] }
 }
 
-/// The first curve's value at each column of dots: the last one that is not after it.
+/// The first curve's value at each column of dots: the last one at or before it.
 fn sampled(chart: &Chart) -> Vec<Option<f64>> {
     let Some(line) = chart.lines.first() else { return Vec::new() };
     let [start, end] = ends(chart);
@@ -76,7 +76,7 @@ fn sampled(chart: &Chart) -> Vec<Option<f64>> {
     (0..columns).map(value).collect()
 }
 
-/// Least and greatest; never the same.
+/// Minimum and maximum; never equal.
 fn extremes(values: &[Option<f64>]) -> [f64; 2] {
     let present = || values.iter().flatten().copied();
     let (least, most) =
@@ -98,7 +98,7 @@ fn dots(values: &[Option<f64>], [least, most]: [f64; 2], down: usize) -> Vec<Str
     let mut before: Option<usize> = None;
     for (column, value) in values.iter().enumerate() {
         let Some(now) = value.map(dot) else { continue };
-        // A steep curve is not to have holes.
+        // Fills the gaps of a steep curve.
         let (top, bottom) = match before {
             Some(before) if before < now => (before + 1, now),
             Some(before) if before > now => (now, before - 1),
@@ -144,7 +144,7 @@ mod tests {
         let curve = |line: &str| line.split('┤').nth(1).unwrap().chars().collect::<Vec<_>>();
         let (upper, lower) = (curve(lines[1]), curve(lines[2]));
         assert!(lines[1].trim_start().starts_with("128.0 ┤") && lines[2].trim_start().starts_with("0.0 ┤"));
-        // Eight rows of dots for 128 columns of them: half of the letters below, half above.
+        // Eight rows of dots for 128 columns: half of the characters below, half above.
         let drawn = |line: &[char]| line.iter().filter(|letter| **letter != '\u{2800}').count();
         assert_eq!((drawn(&lower[..32]), drawn(&lower[33..])), (32, 0), "{text}");
         assert_eq!((drawn(&upper[..31]), drawn(&upper[32..])), (0, 32), "{text}");
@@ -156,7 +156,7 @@ mod tests {
         let text = stack(&[(&chart, 2)]);
         let [.., axis, labels] = text.lines().collect::<Vec<_>>()[..] else { panic!("{text}") };
         let place = axis.chars().position(|letter| letter == '┴').unwrap();
-        // Half way along 64 letters that begin in column 12.
+        // Half way along 64 characters that begin in column 12.
         assert_eq!(place, 12 + 32);
         let name = labels.find("launch").unwrap();
         assert!((name..name + 6).contains(&place), "{text}");

@@ -1,5 +1,5 @@
-//! Tables and charts as strings, for a terminal. Whether there is one, and whether it takes colours, only the
-//! caller knows.
+//! Tables and charts as strings, for a terminal. The caller decides whether there is one and whether it
+//! supports colours.
 
 mod curve;
 mod printable;

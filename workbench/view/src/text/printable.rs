@@ -1,15 +1,15 @@
-//! Text from files, made safe to print: a header may hold escape sequences that move a terminal's cursor or
-//! set its title.
+//! Makes text from files safe to print: a header may contain escape sequences that move a terminal's cursor
+//! or set its title.
 
 use std::borrow::Cow;
 
-/// The text with control characters, line breaks and tabs excepted, spelled out.
+/// The text with control characters escaped, except line breaks and tabs.
 #[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
     spelled_out(text, |letter| letter.is_control() && !matches!(letter, '\n' | '\t'))
 }
 
-/// The text with every control character spelled out.
+/// The text with every control character escaped.
 pub(super) fn one_line(text: &str) -> Cow<'_, str> {
     spelled_out(text, char::is_control)
 }

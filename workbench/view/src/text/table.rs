@@ -1,4 +1,4 @@
-//! A table in letters.
+//! A table in characters.
 
 use std::borrow::Cow;
 
@@ -7,12 +7,13 @@ use unicode_width::UnicodeWidthStr as _;
 use super::printable::one_line;
 use crate::table::{Align, Row, Table, Tone};
 
-/// Bold.
+/// The SGR code for bold.
 const BOLD: &str = "1";
 
-/// The table's lines, without a line break at the end: the headings, a rule, the rows. With `colour` headings
-/// are bold and cells have the colours of their tones, by ANSI codes (ECMA-48, SGR); the letters are the same
-/// without. Control characters are spelled out, line breaks and tabs too, so that a row is a line.
+/// The table's lines, without a line break at the end: the headings, a rule, the rows. With `colour`,
+/// headings are bold and cells have the colours of their tones, by ANSI codes (ECMA-48, SGR); the characters
+/// are otherwise the same. All control characters are escaped, including line breaks and tabs, so that a row
+/// is a line.
 #[must_use]
 pub fn table(table: &Table, colour: bool) -> String {
     let style = |code: &'static str| if colour { code } else { "" };
@@ -33,7 +34,7 @@ pub fn table(table: &Table, colour: bool) -> String {
     drawn.join("\n")
 }
 
-/// The colour's SGR code, none for [`Tone::Neutral`].
+/// The colour's SGR code; none for [`Tone::Neutral`].
 const fn code(tone: Tone) -> &'static str {
     match tone {
         Tone::Neutral => "",
@@ -43,7 +44,7 @@ const fn code(tone: Tone) -> &'static str {
     }
 }
 
-/// One line, without spaces at its end.
+/// One line, without trailing spaces.
 fn line_of(table: &Table, widths: &[usize], cells: &[(Cow<'_, str>, &str)]) -> String {
     let mut line = String::new();
     let mut owed = 0;
@@ -100,7 +101,7 @@ mod tests {
         assert_eq!(table(&sample, false), expected);
     }
 
-    /// What a program that strips the colours sees is what one without colours gets.
+    /// With the colours stripped, the output is the same as without colours.
     #[test]
     fn colours_change_no_letter() {
         let coloured = table(&sample(), true);

@@ -1,4 +1,4 @@
-//! "Fly in QEMU": `pylon fly`, as a program of its own, so that what happens to it happens to nothing else.
+//! "Fly in QEMU": runs `pylon fly` as a separate process, so that its failures affect nothing else.
 
 use std::env;
 use std::io::{self, Write as _};
@@ -10,7 +10,7 @@ use model::{Model, ModelError};
 use pylon::replay::{CalibrationWindow, GivenAirborne, GivenTimes};
 use thiserror::Error;
 
-/// One flight at a time: it takes the machine.
+/// Flies one flight at a time, because a flight occupies the whole machine.
 #[derive(Debug, Default)]
 pub struct Flying {
     now: Mutex<()>,
@@ -19,7 +19,7 @@ pub struct Flying {
 /// Why there is no result.
 #[derive(Debug, Error)]
 pub enum NotFlown {
-    /// Another flight is flying.
+    /// Another flight is in progress.
     #[error("another flight is flying")]
     Busy,
     /// The model cannot be used.
@@ -28,13 +28,13 @@ pub enum NotFlown {
     /// `pylon fly` could not be started.
     #[error(transparent)]
     Start(#[from] io::Error),
-    /// `pylon fly` failed, in its own words.
+    /// `pylon fly` failed, with its own message.
     #[error("{0}")]
     Failed(String),
 }
 
 impl Flying {
-    /// Flies a log with a model's text and the user's times; what `pylon fly --json` prints.
+    /// Flies a log with a model's text and the user's times; returns the output of `pylon fly --json`.
     pub fn fly(&self, log: &Path, model: &str, times: GivenTimes) -> Result<String, NotFlown> {
         let _flying = self.now.try_lock().map_err(|_| NotFlown::Busy)?;
         Model::parse(model)?;
@@ -51,7 +51,7 @@ impl Flying {
         }
         fly.arg("--").arg(log);
         let output = fly.output()?;
-        // 1: bits differ, which is a result.
+        // Status 1: bits differ, which is a result.
         match output.status.code() {
             Some(0 | 1) => Ok(String::from_utf8_lossy(&output.stdout).into_owned()),
             _ => {

@@ -1,7 +1,7 @@
-//! Who is served: pages that this start of the server gave out itself, to this machine.
+//! Decides which requests are served: those of pages that this run of the server gave out, to this machine.
 //!
-//! Any page that a user has open may send requests to a loopback port. What it cannot do is read the token of
-//! this start, or choose the `Host` and `Origin` that its browser sends.
+//! Any page that a user has open may send requests to a loopback port. It cannot read this run's token, or
+//! choose the `Host` and `Origin` that its browser sends.
 
 use std::fmt::Write as _;
 use std::net::SocketAddr;
@@ -11,11 +11,11 @@ use tiny_http::Request;
 /// Why a request is not answered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// It is for another host: a name that was made to lead here.
+    /// It is for another host: a name that was made to resolve to this machine.
     Host,
     /// It comes from another page.
     Origin,
-    /// It has no token, or not this start's.
+    /// It has no token, or not this run's.
     Token,
 }
 
@@ -27,7 +27,7 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// A guard with a token of its own for a server at this address.
+    /// A guard with its own token for a server at this address.
     pub fn new(address: SocketAddr) -> Result<Self, getrandom::Error> {
         let mut bytes = [0_u8; 32];
         getrandom::fill(&mut bytes)?;
@@ -39,13 +39,13 @@ impl Guard {
         Ok(Self { token, hosts: [format!("127.0.0.1:{port}"), format!("localhost:{port}")] })
     }
 
-    /// The token of this start.
+    /// The token of this run.
     pub fn token(&self) -> &str {
         &self.token
     }
 
-    /// Whether a request is from a page of this server. The page itself has the token in its address,
-    /// everything else in a header.
+    /// Whether a request is from a page of this server. The page's own request has the token in its address,
+    /// every other one in a header.
     pub fn check(&self, request: &Request) -> Result<(), Refusal> {
         if !header(request, "Host").is_some_and(|host| self.is_host(host)) {
             return Err(Refusal::Host);
@@ -71,7 +71,7 @@ impl Guard {
     }
 }
 
-/// In a time that does not tell where the two part.
+/// Compares in constant time, so that the time does not reveal where the two first differ.
 fn is_same(given: &[u8], token: &[u8]) -> bool {
     given.len() == token.len() && given.iter().zip(token).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
 }

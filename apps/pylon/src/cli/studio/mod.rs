@@ -31,25 +31,25 @@ Examples:
 
 The page works in the browser alone: no byte leaves this machine, and nobody but this machine is served. Ctrl-C ends it.";
 
-/// See flights and their models in a browser: the cause, what an effect would change, and the error fall
+/// Show flights and their models in a browser: the cause, what an effect would change, and the error falling
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Flights to open: flights' CSV, logs that `pylon import` reads, or folders of them
+    /// Flights to open: flight CSVs, logs that `pylon import` reads, or folders of them
     #[arg(value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// The model to begin with, which the page may write: a TOML file (an empty one is a model)
+    /// The model to start with, which the page may write: a TOML file (an empty one is a model)
     #[arg(long, value_name = "MODEL.toml")]
     model: Option<PathBuf>,
-    /// The port to listen at (0: any that is free)
+    /// The port to listen on (0: any that is free)
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
-    /// Print the address and open no browser
+    /// Print the address without opening a browser
     #[arg(long)]
     no_browser: bool,
 }
 
-/// Runs the command; it ends when it is interrupted.
+/// Runs the command until it is interrupted.
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let model = arguments.model.as_deref().map(model_file).transpose()?;
     let logs = Places::find(&arguments.logs)?;
@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let page = page::page()?;
     let server = Server::bind(arguments.port, page, logs.files, model)?;
     terminal::put(&format!("{}\n", server.address()))?;
-    // Nothing is left to be told to when standard error is closed.
+    // If standard error is closed, there is nowhere to report this.
     let _ = writeln!(std::io::stderr(), "the studio is at that address until this is interrupted (Ctrl-C)");
     if !arguments.no_browser {
         open_browser(server.address());
@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     server.serve()
 }
 
-/// The model to write; there must be one, and it must be a model.
+/// The model file that may be written; it must exist and be a valid model.
 fn model_file(path: &Path) -> Result<ModelFile, Failure> {
     let name = path.display().to_string();
     if Model::preset(&name).is_some() {
@@ -85,7 +85,7 @@ fn model_file(path: &Path) -> Result<ModelFile, Failure> {
     Ok(file)
 }
 
-/// Opens the address in the browser that the user has; where that fails, the address has been printed.
+/// Opens the address in the user's browser. If that fails, the address has been printed.
 fn open_browser(address: &str) {
     let program = if cfg!(target_os = "macos") {
         "open"

@@ -1,4 +1,4 @@
-//! The model that a studio may write.
+//! The model file that a studio may write.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
@@ -11,22 +11,22 @@ use serde::Serialize;
 use crate::cli::failure::Failure;
 use crate::cli::model_lock::lock_model;
 
-/// A model's file.
+/// A model file.
 #[derive(Clone, Debug)]
 pub struct ModelFile {
     path: PathBuf,
 }
 
-/// A model and which state of its file it is.
+/// A model and the version of its file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ServedModel {
     /// The model.
     pub model: NamedText,
-    /// What tells this state of the file from another.
+    /// Identifies this version of the file.
     pub version: String,
 }
 
-/// A model's name and text, as the page has them.
+/// A model's name and text, as served to the page.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct NamedText {
     /// The file's name, without its folder.
@@ -35,14 +35,14 @@ pub struct NamedText {
     pub text: String,
 }
 
-/// What came of asking to write.
+/// The outcome of a request to write.
 #[derive(Debug)]
 pub enum Saved {
     /// It was written.
     Written(ServedModel),
-    /// The file is not what it was when the page read it: nothing was written.
+    /// The file has changed since the page read it: nothing was written.
     Changed(ServedModel),
-    /// The text is no model: nothing was written.
+    /// The text is not a valid model: nothing was written.
     NoModel(String),
 }
 
@@ -52,7 +52,7 @@ impl ModelFile {
         Self { path: path.to_path_buf() }
     }
 
-    /// The model as its file is now.
+    /// Reads the model from its file.
     pub fn read(&self) -> Result<ServedModel, Failure> {
         let text = fs::read_to_string(&self.path).map_err(|error| {
             let hint = if error.kind() == std::io::ErrorKind::NotFound {
@@ -72,7 +72,7 @@ impl ModelFile {
         ServedModel { model: NamedText { name, text }, version: format!("{:016x}", hasher.finish()) }
     }
 
-    /// Replaces the file's text, if it still is that version, and nobody else is changing it.
+    /// Replaces the file's text if it still has that version and no other program is changing it.
     pub fn save(&self, text: String, version: &str) -> Result<Saved, Failure> {
         if let Err(error) = Model::parse(&text) {
             return Ok(Saved::NoModel(error.to_string()));

@@ -1,4 +1,4 @@
-//! The studio's page: one file, which is built where it is missing.
+//! The studio's page: one file, built if it is missing.
 
 use std::env;
 use std::fs;
@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use crate::cli::failure::Failure;
 use crate::cli::progress::while_busy;
 
-/// Names a page that is built already.
+/// Environment variable that names a page already built.
 const VARIABLE: &str = "PYLON_STUDIO";
 
 /// The page's text.
@@ -35,7 +35,7 @@ fn read(file: &Path) -> Result<String, Failure> {
     })
 }
 
-/// Builds the page, once: some minutes.
+/// Builds the page, once; takes some minutes.
 fn build(checkout: &Path) -> Result<(), Failure> {
     if !checkout.join("xtask").is_dir() {
         return Err(Failure::input(format!(

@@ -1,6 +1,6 @@
-//! The loopback server: the page, the flights that were named, and the model that may be written. Nothing
-//! else is read or written, whatever is asked for: a file is asked for by its place on the command line,
-//! never by a path.
+//! The loopback server: serves the page, the flights that were named, and the model that may be written.
+//! Nothing else is read or written, whatever is requested: a file is requested by its position on the command
+//! line, never by a path.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read as _};
@@ -18,16 +18,16 @@ use super::model_file::{ModelFile, Saved, ServedModel};
 use crate::cli::failure::Failure;
 use pylon::replay::{AirborneError, GivenTimes, WindowError};
 
-/// No model is longer, bytes.
+/// Limit on a model's length, bytes.
 const LONGEST_MODEL: u64 = 4 << 20;
-/// Threads that the server starts before it listens. Where it can have none it panics in another of its own,
-/// and is deaf.
+/// Threads that the server starts before it listens. If it cannot start one, it panics in another of its own
+/// threads and answers nothing.
 const SERVER_THREADS: usize = 5;
-/// What lets the page fetch nothing; here it may ask this server.
+/// The policy with which the page may fetch nothing; as served here it may send requests to this server.
 const FROM_DISK: &str = "connect-src 'none'";
 const FROM_HERE: &str = "connect-src 'self'";
 
-/// A server that listens.
+/// A listening server.
 pub struct Server {
     http: tiny_http::Server,
     address: String,
@@ -43,11 +43,11 @@ struct Served {
     flying: Flying,
 }
 
-/// What a page is told at its start.
+/// What a page is sent at its start.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 struct Session {
-    /// The logs' names, without their folders.
+    /// The logs' file names, without folders.
     flights: Vec<String>,
     model: Option<ServedModel>,
     can_fly: bool,
@@ -83,7 +83,7 @@ impl Answer {
 }
 
 impl Server {
-    /// Listens at a port of this machine, for this machine.
+    /// Listens on a port of this machine, for requests from this machine only.
     pub fn bind(
         port: u16,
         page: String,
@@ -99,7 +99,8 @@ impl Server {
         let guard = Guard::new(address)
             .map_err(|error| Failure::input(format!("the system gives no random token: {error}")))?;
         let token = guard.token();
-        // The policy comes first in the page; the same words in its script must stay, or its hash is another.
+        // The policy comes first in the page. The same words in its script must stay, or the script's hash
+        // changes.
         let page = page.replacen(FROM_DISK, FROM_HERE, 1).replacen(
             "<head>",
             &format!("<head>\n<meta name=\"pylon-token\" content=\"{token}\">"),
@@ -113,12 +114,12 @@ impl Server {
         })
     }
 
-    /// The address of the page, with this start's token.
+    /// The address of the page, with this run's token.
     pub fn address(&self) -> &str {
         &self.address
     }
 
-    /// Serves until the program is ended.
+    /// Serves until the process is stopped.
     pub fn serve(self) -> Result<(), Failure> {
         loop {
             let request =
@@ -134,7 +135,7 @@ impl Server {
                     }
                 }
             };
-            // A long log must not hold the page up; where the machine has no thread left, it does.
+            // A long log must not delay the page; if no thread can be started, it does.
             if thread::Builder::new().spawn(answer).is_err()
                 && let Some(request) = waiting.lock().unwrap_or_else(PoisonError::into_inner).take()
             {
@@ -144,12 +145,12 @@ impl Server {
     }
 }
 
-/// Refuses a machine that has not as many threads left as a server takes, one for an answer among them.
+/// Refuses to start unless enough threads are available: the server's own and one for an answer.
 pub fn check_threads() -> Result<(), Failure> {
     let threads = SERVER_THREADS + 1;
     let gate = Mutex::new(());
     let started: io::Result<()> = thread::scope(|scope| {
-        // Closed until all of them are there.
+        // Closed until all threads are running.
         let _closed = gate.lock().unwrap_or_else(PoisonError::into_inner);
         let wait = || drop(gate.lock().unwrap_or_else(PoisonError::into_inner));
         (0..threads).try_for_each(|_| thread::Builder::new().spawn_scoped(scope, wait).map(drop))
@@ -168,7 +169,7 @@ impl Served {
                 "the token is missing or of an earlier start: use the address that `pylon studio` printed",
             ),
         };
-        // A page that was closed meanwhile is no error.
+        // It is no error if the page was closed in the meantime.
         let _ = respond(request, answer);
     }
 
@@ -218,7 +219,7 @@ impl Served {
         }
     }
 
-    /// Flies a named flight in the emulator, with the model that the request brings.
+    /// Flies a named flight in the emulator, with the model in the request.
     fn fly(&self, place: usize, request: &mut Request) -> Answer {
         let Some(log) = self.logs.get(place) else { return Answer::plain(404, "no such flight was named") };
         let times = match times(request.url()) {
@@ -257,7 +258,7 @@ impl Served {
     }
 }
 
-/// What a request's address says of the flight's times, as the command line has it:
+/// The flight's times from a request's address, in the command line's notation:
 /// `?calibrate=10..80&airborne=12..640`.
 fn times(url: &str) -> Result<GivenTimes, String> {
     let mut times = GivenTimes::default();
@@ -276,7 +277,7 @@ fn times(url: &str) -> Result<GivenTimes, String> {
     Ok(times)
 }
 
-/// The model that a request brings.
+/// The model in a request.
 fn model_text(request: &mut Request) -> Result<String, Answer> {
     let mut text = String::new();
     match request.as_reader().take(LONGEST_MODEL + 1).read_to_string(&mut text) {

@@ -1,4 +1,4 @@
-//! A comparison in plain words and tables.
+//! A comparison in plain English and tables.
 
 mod failures;
 pub(crate) mod number;
@@ -18,7 +18,7 @@ use super::words::Words;
 use super::{Comparison, CrossCheckFacts, SensorComparison};
 use view::text::printable;
 
-/// Writing a line to a string, which cannot fail.
+/// Writes a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
         let _ = writeln!($out, $($arguments)*);
@@ -26,7 +26,7 @@ macro_rules! put {
 }
 use put;
 
-/// The comparison as text of some 100 columns, with colours by ANSI codes if `colour`.
+/// The comparison as text about 100 columns wide, with colours as ANSI codes if `colour` is true.
 #[must_use]
 pub fn text(comparison: &Comparison, colour: bool) -> String {
     let mut out = String::new();
@@ -121,7 +121,7 @@ fn heading(out: &mut String, comparison: &Comparison) {
     }
 }
 
-/// What a failed check means.
+/// The meaning of a failed check.
 pub(crate) fn meaning(check: &str) -> &'static str {
     match check {
         "settled" => "launched before the settling time had passed",
@@ -145,7 +145,7 @@ pub(crate) fn meaning(check: &str) -> &'static str {
     }
 }
 
-/// What the sensors said of each other.
+/// How the sensors agreed with each other without the reference.
 fn without_reference(check: &CrossCheckFacts, Words { event, .. }: Words) -> String {
     let most = signed_m(Some(check.largest_difference_m));
     let said = match (check.disagree_after_s, check.doubtful_after_s) {

@@ -1,6 +1,6 @@
 //! Numbers with their units, as an engineer writes them.
 
-/// What stands where there is no value.
+/// Placeholder for a missing value.
 pub(crate) const NONE: &str = "-";
 
 /// A length with its sign: `+12.34 m`.
@@ -56,7 +56,7 @@ pub(crate) fn per_hour(value: Option<f64>) -> String {
     }
 }
 
-/// A plain number with two or three digits that count.
+/// A plain number with two or three significant digits.
 pub(crate) fn plain(value: Option<f64>) -> String {
     finite(value).map_or_else(|| NONE.to_owned(), |value| format!("{value:.*}", decimals(value)))
 }
@@ -78,7 +78,7 @@ fn finite(value: Option<f64>) -> Option<f64> {
     value.filter(|value| value.is_finite())
 }
 
-/// Decimals that leave two or three digits.
+/// Number of decimals that leaves two or three significant digits.
 fn decimals(value: f64) -> usize {
     match value.abs() {
         size if size >= 1_000.0 => 0,

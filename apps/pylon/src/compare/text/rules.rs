@@ -1,4 +1,4 @@
-//! The monitor's rule as set, and a better one.
+//! The monitor's rule as set, and a recommended one.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use view::Table;
 use crate::compare::{Comparison, SensorRules};
 use crate::statistics::{Delay, Fault, RuleQuality};
 
-/// A share of launches with a false alarm worth a line of its own.
+/// Share of launches with a false alarm above which a line reports it.
 const NOTEWORTHY_SHARE: f64 = 0.01;
 
 pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {

@@ -10,7 +10,7 @@ use view::{Cell, Table, Tone};
 use crate::compare::{Comparison, PhaseSummary, SensorComparison};
 use crate::statistics::Whiteness;
 
-/// A sequence is called white when a white one would look less so at least this often.
+/// A sequence is reported as white if a white sequence would look less white at least this often.
 const WHITE_P_VALUE: f64 = 0.01;
 
 pub(super) fn write(out: &mut String, comparison: &Comparison, colour: bool) {

@@ -1,4 +1,4 @@
-//! The comparison's tables: what is measured in the first column, then a column a sensor.
+//! The comparison's tables: quantities in the first column, then one column per sensor.
 
 use view::{Cell, Table};
 

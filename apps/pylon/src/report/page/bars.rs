@@ -1,10 +1,10 @@
-//! Errors as numbers beside lengths, to be compared at a glance.
+//! Errors as numbers beside bars, for comparison at a glance.
 
 use maud::{Markup, html};
 
 use crate::compare::text::number::metres;
 
-/// One error, drawn to the scale on which `greatest` is the whole length.
+/// One error as a bar; `greatest` is the full length.
 pub(super) fn bar(value: f64, greatest: f64) -> Markup {
     html! {
         div.bar.after {
@@ -14,12 +14,12 @@ pub(super) fn bar(value: f64, greatest: f64) -> Markup {
     }
 }
 
-/// Per cent.
+/// A value as per cent of the greatest.
 pub(super) fn share(value: f64, greatest: f64) -> f64 {
     if greatest > 0.0 { 100.0 * value / greatest } else { 0.0 }
 }
 
-/// Errors before and after, each with its word, drawn to the scale on which `greatest` is the whole length.
+/// Errors before and after, each with its label, as bars; `greatest` is the full length.
 pub(super) fn bars(before: (&str, Option<f64>), after: (&str, Option<f64>), greatest: f64) -> Markup {
     if before.1.is_none() && after.1.is_none() {
         return html! { "-" };

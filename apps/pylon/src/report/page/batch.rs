@@ -1,5 +1,5 @@
-//! Several flights, one by one: what each lacks by itself, each vehicle's coefficients, and the flights that
-//! do not belong with the others.
+//! Several flights, one by one: what the model lacks on each, each vehicle's coefficients, and the flights
+//! that do not belong with the others.
 
 use maud::{Markup, html};
 use view::Table;

@@ -1,4 +1,4 @@
-//! What was calibrated, and the flags: the paper's Table 1 and section 4, for this flight.
+//! The calibration and the flags: the paper's Table 1 and section 4, for this flight.
 
 use kf_core::sensor::Sensor;
 use maud::{Markup, html};

@@ -1,4 +1,4 @@
-//! What the model lacks, as far as the flights can tell.
+//! What the model lacks, as far as the flights can show it.
 
 use maud::{Markup, html};
 
@@ -8,15 +8,15 @@ use crate::compare::text::number::{metres, seconds};
 use crate::diagnose::text::{per_cent, probability, say, untested_for_a_reason, with_sigma};
 use crate::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
 
-/// Candidates that are shown at once beside the chosen ones; the rest opens on demand.
+/// Number of candidates shown beside the chosen ones; the rest open on demand.
 const OTHERS: usize = 5;
-/// Half the width of a 95 % interval, sigmas.
+/// Half-width of a 95 % interval, sigmas.
 const INTERVAL: f64 = 1.96;
-/// A corrected p-value above this is no sign of an effect.
+/// A corrected p-value above this is not evidence of an effect.
 const NO_SIGN: f64 = 0.05;
 
 pub(super) fn section(diagnosis: &Diagnosis) -> Markup {
-    // The reference is only worth a paragraph where something is wrong with it; what is found comes first.
+    // The reference gets a paragraph only if something is wrong with it. Effects that were found come first.
     let mut sensors: Vec<_> = diagnosis
         .sensors
         .iter()
@@ -73,7 +73,7 @@ fn of_sensor(name: &str, sensor: &SensorDiagnosis) -> Markup {
     }
 }
 
-/// How probable it is that an effect acts, where that is known.
+/// The probability that an effect acts, if known.
 fn sure(sensor: &SensorDiagnosis, id: &str) -> Markup {
     let of_effect = sensor.candidates.iter().find(|candidate| candidate.effect == id);
     let probability = of_effect.and_then(|candidate| candidate.probability);

@@ -1,6 +1,6 @@
-//! The catalogue's effects for somebody who does not know their ids.
+//! The catalogue's effects in plain words, for a reader who does not know their ids.
 
-/// What an effect is, in words.
+/// An effect in plain words.
 pub(super) fn meaning(id: &str) -> &'static str {
     match id {
         "baro.dynamic_pressure" => "the static port also feels the airspeed",

@@ -1,4 +1,4 @@
-//! The first screen: what was found, and the errors that it was found in.
+//! The first screen: the finding, and the errors that support it.
 
 use maud::{Markup, html};
 
@@ -7,11 +7,11 @@ use crate::compare::words::Words;
 use crate::diagnose::text::headline;
 use crate::report::{Chart, FlightReport, Report};
 
-/// Diagrams that have room beside each other.
+/// Limit on the diagrams side by side.
 const MOST: usize = 2;
 
 pub(super) fn section(report: &Report<'_>) -> Markup {
-    // The sensor with the gravest verdict, which is what the sentence is about.
+    // The sensor with the gravest verdict, which the sentence is about.
     let sensors = report.diagnosis.sensors.iter().filter(|(name, _)| **name != "gps");
     let gravest = sensors.max_by_key(|(_, sensor)| sensor.verdict).map(|(name, _)| &**name);
     let drawn = report.flights.iter().filter(|flight| flight.is_drawn);
@@ -32,8 +32,8 @@ pub(super) fn section(report: &Report<'_>) -> Markup {
     }
 }
 
-/// The errors of a sensor, or else of another, after the calibration; of a flight without, what was left over
-/// in it.
+/// The errors after the calibration of this sensor, or else of another; without any, the residuals of the
+/// calibration.
 fn error<'a>(flight: &'a FlightReport, sensor: Option<&str>) -> Option<&'a Chart> {
     let of_sensor = |chart: &&Chart| sensor.is_some_and(|sensor| chart.id.ends_with(&format!("-{sensor}")));
     flight

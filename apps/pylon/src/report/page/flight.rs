@@ -8,7 +8,7 @@ use crate::compare::words::Words;
 use crate::report::figures::free_sensors;
 use crate::report::{Chart, FlightReport, summary as words};
 
-/// What there is to say about a flight, at a glance.
+/// A flight's summary, at a glance.
 pub(super) fn summary(report: &FlightReport, is_one_of_many: bool) -> Markup {
     let comparison = &report.comparison;
     let facts = &comparison.flight;
@@ -48,7 +48,7 @@ pub(super) fn summary(report: &FlightReport, is_one_of_many: bool) -> Markup {
     }
 }
 
-/// Everything about a flight.
+/// All sections of a flight.
 pub(super) fn section(report: &FlightReport) -> Markup {
     let Words { before, event, .. } = report.comparison.words();
     html! {

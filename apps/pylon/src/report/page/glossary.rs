@@ -1,4 +1,4 @@
-//! The words that the page uses.
+//! The terms that the page uses.
 
 use maud::{Markup, html};
 

@@ -1,4 +1,4 @@
-//! The page's words and tables; `assets/` has its style and what draws its diagrams.
+//! The page's text and tables; `assets/` has its style and the script that draws its diagrams.
 
 mod bars;
 mod batch;
@@ -40,7 +40,8 @@ pub(super) fn page(report: &Report<'_>) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 meta name="generator" content=(format!("pylon {}", env!("CARGO_PKG_VERSION")));
-                // No network: a page that asks for something has a mistake in it, and is not given it.
+                // No network: if the page requests anything, that is a mistake in it, and the request is
+                // blocked.
                 meta http-equiv="Content-Security-Policy"
                     content="default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
                 link rel="icon" href="data:,";
@@ -53,7 +54,7 @@ pub(super) fn page(report: &Report<'_>) -> String {
                 main #main {
                     (first::section(report))
                     @match report.batch {
-                        // Of many, what they say together comes first.
+                        // For several flights, the joint result comes first.
                         Some(batch) => {
                             (diagnosis::section(report.diagnosis))
                             (batch::section(batch, report.flights))
@@ -111,7 +112,7 @@ fn header(report: &Report<'_>, title: &str) -> Markup {
     }
 }
 
-/// What there is to say of each of many flights, those without diagrams on demand.
+/// A summary of every flight; those without diagrams open on demand.
 fn summaries(report: &Report<'_>) -> Markup {
     let (drawn, others): (Vec<_>, Vec<_>) = report.flights.iter().partition(|flight| flight.is_drawn);
     html! {
@@ -126,7 +127,7 @@ fn summaries(report: &Report<'_>) -> Markup {
 }
 
 fn opening(report: &Report<'_>) -> Markup {
-    // Who flies by itself is not told about pylons.
+    // For a vehicle that flies on its own wings the text does not mention a pylon.
     let is_launched = report.flights.iter().any(|flight| flight.comparison.flight.usage.has_launch);
     html! {
         section.lead {
@@ -164,11 +165,11 @@ fn footer() -> Markup {
 fn data(report: &Report<'_>, revisions: &[LadderFlight<'_>]) -> String {
     let flights = report.flights.iter().flat_map(super::FlightReport::charts);
     let charts = flights.chain(revisions.iter().filter_map(|flight| flight.chart.as_ref()));
-    // Numbers and text only: nothing in them can fail to be written.
+    // Numbers and text only, which always serialise.
     view::page::data(charts).unwrap_or_default()
 }
 
-/// Where a diagram is drawn. Without scripts it says so.
+/// The place where a script draws a diagram. Without scripts it says so.
 fn place(chart: &Chart, small: bool) -> Markup {
     html! {
         div.chart.small[small] data-chart=(chart.id) tabindex="0" role="group"
@@ -178,12 +179,13 @@ fn place(chart: &Chart, small: bool) -> Markup {
     }
 }
 
-/// A table that scrolls sideways where the screen is narrow.
+/// A table that scrolls sideways on a narrow screen.
 fn scrolled(table: &Table) -> Markup {
     html! { div.scroll tabindex="0" { (PreEscaped(view::page::table(table))) } }
 }
 
-/// What a page calls a file: it is passed on, and the author's folders are nobody's business.
+/// A file's name on the page, without its folders: the page may be shared, and the author's folders are
+/// private.
 pub fn file_name(path: &str) -> String {
     std::path::Path::new(path)
         .file_name()

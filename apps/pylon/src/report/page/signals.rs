@@ -6,7 +6,7 @@ use super::place;
 use crate::compare::text::number::percent;
 use crate::report::{FlightReport, SensorDependences};
 
-/// Diagrams that are shown at once; the rest opens on demand.
+/// Number of diagrams shown at once; the rest open on demand.
 const SHOWN: usize = 6;
 
 pub(super) fn section(report: &FlightReport) -> Markup {

@@ -1,10 +1,10 @@
-//! Where and how the flights were flown: what a plan begins with, and how its sensors sample.
+//! Where and how the flights were flown: a plan's starting point and its sensors' sample rates.
 
 use flight_data::{Channel, Flight};
 
-/// Slower than this is not flying, m/s.
+/// Slower than this is not flight, m/s.
 const FLYING_MPS: f64 = 5.0;
-/// The simulated airframe's own trim, m/s: what is planned on where no flight says a speed.
+/// The simulated airframe's own trim, m/s: used for planning if no flight records a speed.
 const OWN_SPEED_MPS: f64 = 28.0;
 /// Rows a second of a scenario: no sensor is faster.
 pub const ROWS_HZ: f64 = 200.0;
@@ -12,7 +12,7 @@ pub const ROWS_HZ: f64 = 200.0;
 /// The flights' usual speed, altitude and rates.
 #[derive(Clone, Copy, Debug)]
 pub struct Circumstances {
-    /// Median true airspeed in flight, m/s; the speed over ground where no airspeed is recorded.
+    /// Median true airspeed in flight, m/s, or the speed over ground if no airspeed is recorded.
     pub speed_mps: f64,
     /// Median altitude in flight, m above mean sea level.
     pub altitude_m: f64,
@@ -22,12 +22,12 @@ pub struct Circumstances {
     pub baro_hz: f64,
     /// The inertial altitude's readings a second.
     pub imu_hz: f64,
-    /// Whether the speed is one that was flown.
+    /// Whether the speed was recorded in a flight.
     pub is_speed_known: bool,
 }
 
 impl Circumstances {
-    /// Of flights.
+    /// The circumstances of these flights.
     pub fn of(flights: &[&Flight]) -> Self {
         let speeds = flights.iter().flat_map(|flight| speeds(flight)).filter(|speed| *speed > FLYING_MPS);
         let speed_mps = median(speeds.collect());
@@ -48,7 +48,7 @@ impl Circumstances {
         }
     }
 
-    /// What the user should know of a plan.
+    /// Remarks for the user about a plan.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = vec![
             "Flown by a simulated fixed-wing aircraft that trims at this speed, in calm air. Terrain, airspace and the limits of your \
@@ -85,7 +85,7 @@ fn altitudes(flight: &Flight) -> Vec<f64> {
         .collect()
 }
 
-/// Samples a second.
+/// Sample rate, samples a second.
 fn rate(flight: &Flight, channel: Channel) -> Option<f64> {
     let column = flight.channel(channel)?;
     let (first, _) = column.samples().next()?;

@@ -1,4 +1,4 @@
-//! What can be planned, as segments of a scenario.
+//! Manoeuvres that can be planned, as segments of a scenario.
 
 use super::circumstances::Circumstances;
 use crate::engine::{Refused, refused};
@@ -6,13 +6,13 @@ use crate::protocol::{FlightPlan, Offer, PlannedLeg, PlannedManoeuvre};
 
 /// Longest plan, seconds.
 const LONGEST_S: f64 = 7200.0;
-/// Most legs, and most repetitions of one.
+/// Limit on the number of legs, and on the repetitions of one.
 const MOST: usize = 40;
-/// The path's angle in pull-ups, degrees.
+/// Flight-path angle in pull-ups, degrees.
 const PULL_UP_DEG: f64 = 12.0;
 /// The bank between straight legs, degrees.
 const LEG_BANK_DEG: f64 = 45.0;
-/// Straight and level between turns, and after pull-ups, seconds.
+/// Straight and level flight between turns and after pull-ups, seconds.
 const BETWEEN_S: f64 = 5.0;
 /// Standard gravity, m/s^2.
 const GRAVITY: f64 = 9.806_65;
@@ -24,7 +24,7 @@ pub struct Segment {
     pub keys: Vec<(&'static str, f64)>,
 }
 
-/// What can be chosen, as it is suggested.
+/// The manoeuvres on offer, with suggested values.
 pub fn offers(around: &Circumstances) -> Vec<Offer> {
     let speed = around.speed_mps;
     let offer = |manoeuvre, [amount, least, most]: [f64; 3], unit: &str, duration_s, times| Offer {
@@ -46,7 +46,7 @@ pub fn offers(around: &Circumstances) -> Vec<Offer> {
     ]
 }
 
-/// Refuses what cannot be planned.
+/// Refuses a plan that cannot be flown.
 pub fn check(plan: &FlightPlan, around: &Circumstances) -> Result<(), Refused> {
     let between = |what: &str, value: f64, least: f64, most: f64| {
         if (least..=most).contains(&value) {
@@ -82,7 +82,7 @@ pub fn segments(plan: &FlightPlan) -> Vec<Segment> {
         for _ in 0..leg.times {
             once(leg, plan.speed_mps, &mut segments);
         }
-        // The next one begins where this one did.
+        // Returns to the state in which this leg began, for the next one.
         segments.push(segment("straight", BETWEEN_S, &[("airspeed_mps", plan.speed_mps)]));
     }
     segments
@@ -135,7 +135,7 @@ fn once(leg: &PlannedLeg, speed_mps: f64, out: &mut Vec<Segment>) {
         PlannedManoeuvre::Legs => {
             out.push(segment("accelerate", duration_s, &fast));
             out.push(segment("decelerate", duration_s, &slow));
-            // A quarter of a circle at that bank and speed.
+            // A quarter of a circle at this bank and speed.
             let rate = GRAVITY * LEG_BANK_DEG.to_radians().tan() / speed_mps;
             let quarter_s = core::f64::consts::FRAC_PI_2 / rate;
             out.push(segment("turn", quarter_s, &[("bank_deg", LEG_BANK_DEG), ("airspeed_mps", speed_mps)]));

@@ -1,5 +1,5 @@
-//! Planning the next flight: it is simulated as its scenario has it, and what it would tell is added to what
-//! the flights tell.
+//! Planning the next flight: its scenario is simulated, and the information that it would give is added to
+//! that of the flights.
 
 mod circumstances;
 mod manoeuvres;
@@ -20,7 +20,7 @@ use crate::protocol::{
 use crate::results::to_diagnose;
 use circumstances::Circumstances;
 
-/// Straight and level before the first manoeuvre, seconds, as a plan is suggested.
+/// Straight and level flight before the first manoeuvre of a suggested plan, seconds.
 const CALIBRATION_S: f64 = 60.0;
 
 /// Plans a flight.
@@ -51,7 +51,7 @@ pub fn planned(
             let all = offers.len() as u64;
             for (done, offer) in offers.iter_mut().enumerate() {
                 progress("flying each manoeuvre", done as u64, all);
-                // One that cannot be flown there is no suggestion.
+                // A manoeuvre that cannot be flown in these circumstances is not suggested.
                 let alone = planning.plan(vec![offer.leg]);
                 offer.gain = planning.flown(&alone).ok().map(|flown| gain(&flown.outlook));
             }
@@ -75,7 +75,7 @@ pub fn planned(
     })
 }
 
-/// What the flights tell: of the diagnosis that was made of them, or of one that is made now.
+/// The information in the flights: from a diagnosis already made of them, or from a new one.
 fn further(
     engine: &mut Engine,
     request: &DiagnoseRequest,
@@ -96,7 +96,7 @@ fn further(
     Ok(engine.keep_further(key, further))
 }
 
-/// What plans are made with.
+/// The inputs of planning.
 struct Planning<'a> {
     engine: &'a Engine,
     request: &'a DiagnoseRequest,
@@ -105,7 +105,7 @@ struct Planning<'a> {
     around: Circumstances,
 }
 
-/// A plan, flown.
+/// A plan, simulated.
 struct Flown {
     outlook: Outlook,
     scenario: Scenario,
@@ -139,7 +139,7 @@ impl Planning<'_> {
     }
 }
 
-/// The scenario with signals that have no noise: what noise a regressor has is no excitation.
+/// The scenario with noise-free signals, because noise in a regressor is not excitation.
 fn exact(mut scenario: Scenario) -> Scenario {
     let sensors = &mut scenario.sensors;
     sensors.air_data.airspeed_sigma_mps = 0.0;
@@ -153,7 +153,7 @@ fn exact(mut scenario: Scenario) -> Scenario {
     scenario
 }
 
-/// The planned flight as the user's recorder would have it: without what one of the flights does not record.
+/// The planned flight as the user's recorder would log it: without channels that one of the flights lacks.
 fn recorded_as(mut planned: Flight, learned: &[&Flight]) -> Flight {
     let records = |channel: Channel| {
         learned
@@ -168,7 +168,7 @@ fn recorded_as(mut planned: Flight, learned: &[&Flight]) -> Flight {
     planned
 }
 
-/// What an outlook is worth.
+/// The value of an outlook.
 fn gain(outlook: &Outlook) -> Gain {
     let told: Vec<f64> = outlook
         .sets
@@ -192,7 +192,8 @@ fn gain(outlook: &Outlook) -> Gain {
     }
 }
 
-/// The better first: what tells sets apart, then what shows more, then what narrows more.
+/// Orders the better first: by how well it distinguishes the effects of a set, then by how many more it
+/// shows, then by how much it narrows.
 fn better(one: Option<&Gain>, other: Option<&Gain>) -> std::cmp::Ordering {
     let (Some(one), Some(other)) = (one, other) else { return other.is_some().cmp(&one.is_some()) };
     let told = |gain: &Gain| gain.tells_apart.unwrap_or(0.0);

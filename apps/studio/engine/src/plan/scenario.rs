@@ -1,4 +1,4 @@
-//! A plan as a scenario's text: what `pylon simulate` takes, and what is simulated here.
+//! A plan as a scenario's text, which `pylon simulate` accepts and which is simulated here.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use crate::protocol::FlightPlan;
 const TRIM_MPS: f64 = 28.0;
 const WING_M2: f64 = 0.8;
 
-/// The text.
+/// The scenario's text.
 pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
     let FlightPlan { speed_mps, altitude_m, calibration_s, .. } = plan;
     let mut text = format!(
@@ -57,7 +57,7 @@ pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
     text
 }
 
-/// Density over that at mean sea level: the standard troposphere (ICAO Doc 7488).
+/// Density relative to that at mean sea level: the standard troposphere (ICAO Doc 7488).
 fn density_ratio(altitude_m: f64) -> f64 {
     const LAPSE_PER_M: f64 = 0.0065 / 288.15;
     const EXPONENT: f64 = 4.255_88;

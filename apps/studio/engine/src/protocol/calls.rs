@@ -1,4 +1,4 @@
-//! Every request and what it is answered by.
+//! Every request and its answer.
 
 use serde::Deserialize;
 
@@ -17,7 +17,7 @@ macro_rules! calls {
             $($(#[$doc])* $variant($request),)*
         }
 
-        /// Every request's name, its type and its answer's, as TypeScript has them.
+        /// Every request's name, type and answer type, in TypeScript's notation.
         pub const REQUESTS: &[(&str, &str, &str)] = &[$(($name, stringify!($request), $answer),)*];
     };
 }
@@ -29,13 +29,13 @@ calls! {
     Samples "samples" (SamplesRequest) -> "Array<Sample>",
     /// Simulates and opens one of them.
     OpenSample "open_sample" (OpenSampleRequest) -> "Opened",
-    /// What is in a flight, calibrated on another window.
+    /// The contents of a flight, with other times.
     Flight "flight" (FlightRequest) -> "Opened",
     /// Forgets a flight.
     Close "close" (CloseRequest) -> "Closed",
     /// The models that come with Pylon.
     Presets "presets" (PresetsRequest) -> "Array<Preset>",
-    /// What is in a model.
+    /// The contents of a model.
     Model "model" (ModelRequest) -> "ModelFacts",
     /// The catalogue of effects.
     Effects "effects" (EffectsRequest) -> "Array<EffectGuide>",
@@ -43,7 +43,7 @@ calls! {
     Series "series" (SeriesRequest) -> "Series",
     /// Phases, trust, manoeuvres and motion over time.
     Ribbons "ribbons" (CompareRequest) -> "Ribbons",
-    /// One signal over another.
+    /// One signal against another.
     Scatter "scatter" (ScatterRequest) -> "Paired",
     /// A signal's correlation with itself or another.
     Correlation "correlation" (CorrelationRequest) -> "Correlated",
@@ -51,11 +51,11 @@ calls! {
     Compare "compare" (CompareRequest) -> "Compared",
     /// Which effect a model lacks.
     Diagnose "diagnose" (DiagnoseRequest) -> "Diagnosed",
-    /// A flight that is planned, and what it would tell.
+    /// A planned flight, and what it would show.
     Plan "plan" (PlanRequest) -> "Planned",
-    /// An effect by formula, checked and fitted for the eye.
+    /// An effect by formula, checked and roughly fitted for display.
     Formula "formula" (FormulaRequest) -> "FormulaChecked",
-    /// Laws that nobody wrote down.
+    /// A search for laws that are not in the catalogue.
     Discover "discover" (DiscoverRequest) -> "Discovered",
     /// An effect learned and added.
     Add "add" (AddRequest) -> "Added",

@@ -4,23 +4,23 @@ use serde::{Deserialize, Serialize};
 
 use super::{ModelText, Numbers, Signal, Times};
 
-/// Asks how a signal (a sensor's error) is correlated with itself or another.
+/// Asks for the correlation of a signal (a sensor's error) with itself or another.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct CorrelationRequest {
     /// The flight.
     pub flight: String,
-    /// The model that flies.
+    /// The model to fly.
     pub model: ModelText,
-    /// What the user says of its times.
+    /// The user's times for it.
     pub times: Times,
     /// The signal.
     pub signal: Signal,
-    /// The other; null: with itself.
+    /// The other signal; null: the signal itself.
     pub with: Option<Signal>,
-    /// From when, seconds of the flight's own clock; null: from its first row.
+    /// Start, seconds of the flight's own clock; null: its first row.
     pub from_s: Option<f64>,
-    /// To when; null: to its last.
+    /// End; null: its last row.
     pub to_s: Option<f64>,
     /// The longest lag, seconds.
     pub longest_lag_s: f64,
@@ -30,20 +30,19 @@ pub struct CorrelationRequest {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Correlated {
-    /// Lags, seconds; of a cross-correlation on both sides of zero, positive where the signal is behind the
-    /// other.
+    /// Lags, seconds; for a cross-correlation on both sides of zero, positive if the signal lags the other.
     pub lag_s: Numbers,
     /// The correlation, from -1 to 1.
     pub correlation: Numbers,
-    /// Half the width of the band that 99 of 100 correlations at a lag lie in where there is none, as
-    /// MATLAB's `resid` draws it: of white noise for an autocorrelation, by Bartlett's formula, from both
-    /// autocorrelations, for a cross-correlation.
+    /// Half the width of the band that holds 99 of 100 correlations at a lag if there is no true correlation,
+    /// as MATLAB's `resid` draws it: that of white noise for an autocorrelation; by Bartlett's formula, from
+    /// both autocorrelations, for a cross-correlation.
     pub band: f64,
-    /// Length of the block means that it is made of, seconds.
+    /// Length of the blocks whose means are correlated, seconds.
     pub block_s: f64,
-    /// How many.
+    /// Number of blocks.
     pub blocks: u32,
-    /// Whether the time asked for was too short, or the signal has too many gaps, for lags that long; they
-    /// end sooner.
+    /// Whether the lags end sooner than asked for, because the time is too short or the signal has too many
+    /// gaps.
     pub is_cut: bool,
 }

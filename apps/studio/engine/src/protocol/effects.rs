@@ -15,11 +15,11 @@ pub struct EffectGuide {
     pub effect: String,
     /// What it acts on: a sensor, or `gps`.
     pub subject: String,
-    /// What it is, in a few words: the field's name for it.
+    /// The field's usual name for it.
     pub title: String,
-    /// What it is, in one sentence.
+    /// Description in one sentence.
     pub what: String,
-    /// What the coefficient is multiplied by, metres per unit of it.
+    /// The formula that the coefficient is multiplied by, metres per unit of the coefficient.
     pub formula: String,
     /// Unit of the coefficient; `1` for a number.
     pub unit: String,

@@ -1,11 +1,11 @@
-//! Opening a flight, and what is in it.
+//! Opening a flight, and its contents.
 
 use std::collections::BTreeMap;
 
 use analysis::overview::Overview;
 use serde::{Deserialize, Serialize};
 
-/// Where to calibrate, seconds of the flight's own clock; launch is said at its end.
+/// Where to calibrate, seconds of the flight's own clock; its end is taken as launch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Window {
@@ -15,7 +15,7 @@ pub struct Window {
     pub end_s: f64,
 }
 
-/// Take-off and landing, seconds of the flight's own clock; null: in the air already when the log begins, or
+/// Take-off and landing, seconds of the flight's own clock; null: already in the air when the log begins, or
 /// still when it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -26,7 +26,7 @@ pub struct Airborne {
     pub landing_s: Option<f64>,
 }
 
-/// What the user says of a flight's times; null: what Pylon finds.
+/// The user's times for a flight; null: those that Pylon finds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Times {
@@ -36,27 +36,27 @@ pub struct Times {
     pub airborne: Option<Airborne>,
 }
 
-/// What the user says of flights' times, by the flight; of one that is not there nothing is said.
+/// The user's times for each flight, by its name; none for a flight that is not listed.
 pub type TimesByFlight = BTreeMap<String, Times>;
 
-/// Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An
-/// error is the importer's own line.
+/// Opens the log whose bytes come with the request: any format that Pylon imports, detected from its content.
+/// An error is the importer's own line.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct OpenRequest {
-    /// What later requests call the flight; one of that name is replaced.
+    /// Name of the flight in later requests; an open flight of that name is replaced.
     pub flight: String,
     /// The file's name, for results and messages.
     pub file: String,
 }
 
-/// Asks for what is in an opened flight, with the user's times.
+/// Asks for the contents of an opened flight, with the user's times.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FlightRequest {
     /// The flight.
     pub flight: String,
-    /// What the user says of its times.
+    /// The user's times for it.
     pub times: Times,
 }
 
@@ -72,7 +72,7 @@ pub struct CloseRequest {
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Closed {
-    /// False for one that was not open.
+    /// False if it was not open.
     pub was_open: bool,
 }
 
@@ -80,11 +80,11 @@ pub struct Closed {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Opened {
-    /// What `pylon open --json` says: the format, take-off, landing, launch, what is used and what not and
-    /// why, the sensors, the notes of the importer; `refused` says why it cannot be analysed, where it
-    /// cannot.
+    /// The result of `pylon open --json`: the format, take-off, landing, launch, which parts are used and why
+    /// others are not, the sensors, the importer's notes; if the flight cannot be analysed, `refused` gives
+    /// the reason.
     pub overview: Overview,
-    /// The vehicle, with what tells it from another of its type: flights are grouped by it.
+    /// The vehicle, identified among others of its type; flights are grouped by it.
     pub vehicle: String,
     /// First and last time of the flight's own clock, seconds.
     pub first_s: f64,
@@ -100,11 +100,11 @@ pub struct Opened {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ColumnFacts {
-    /// Its name; a known one's says the unit.
+    /// Its name, which for a known column includes the unit.
     pub name: String,
-    /// Whether Pylon knows what it is.
+    /// Whether Pylon knows the column.
     pub is_known: bool,
-    /// How many values it has.
+    /// Number of values.
     pub values: u32,
 }
 
@@ -119,7 +119,7 @@ pub struct SamplesRequest {}
 pub struct Sample {
     /// Its name, for [`OpenSampleRequest`].
     pub name: String,
-    /// What it is, in one sentence, that it is simulated included.
+    /// Description in one sentence, including that it is simulated.
     pub about: String,
 }
 
@@ -127,7 +127,7 @@ pub struct Sample {
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct OpenSampleRequest {
-    /// What later requests call the flight.
+    /// Name of the flight in later requests.
     pub flight: String,
     /// The sample's name.
     pub sample: String,

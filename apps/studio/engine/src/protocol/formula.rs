@@ -1,4 +1,4 @@
-//! Effects of the user's own, by formula, and laws that are searched for.
+//! The user's own effects, by formula, and the search for laws.
 
 use analysis::discover::Discovery;
 use serde::{Deserialize, Serialize};
@@ -9,52 +9,52 @@ use super::{ModelText, Numbers, Signal, Times, TimesByFlight};
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FormulaRequest {
-    /// The model as it is.
+    /// The current model.
     pub model: ModelText,
-    /// Its id; null: one that is made of what it acts on and what it reads.
+    /// Its id; null: made from what it acts on and what it reads.
     pub id: Option<String>,
     /// What it acts on: a sensor, `gps`, or `every sensor`.
     pub on: String,
     /// The formula.
     pub regressor: String,
-    /// The largest plausible coefficient, either way; null: three times the one that fits, as
-    /// `pylon discover` has it.
+    /// The largest plausible coefficient, of either sign; null: three times the fitted one, as in
+    /// `pylon discover`.
     pub largest: Option<f64>,
-    /// What it is, in words; may be empty.
+    /// Description; may be empty.
     pub about: String,
     /// The flight to fit it to.
     pub flight: String,
-    /// What the user says of its times.
+    /// The user's times for it.
     pub times: Times,
-    /// The error that it is to explain.
+    /// The error to be explained.
     pub error: Signal,
-    /// From when on the error counts, seconds; null: from its first value.
+    /// Start of the error that is used, seconds; null: its first value.
     pub from_s: Option<f64>,
 }
 
-/// What is wrong with a formula, and where.
+/// An error in a formula, and its position.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FormulaProblem {
-    /// What, in words.
+    /// The error message.
     pub message: String,
-    /// Where in the formula it begins, in UTF-16 units, as JavaScript counts.
+    /// Where it begins in the formula, in UTF-16 units, as JavaScript counts.
     pub from: u32,
     /// Where it ends.
     pub to: u32,
 }
 
-/// A formula that was checked: either `problem` or `definition` is there.
+/// A checked formula: has either `problem` or `definition`.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FormulaChecked {
     /// Why it cannot be used.
     pub problem: Option<FormulaProblem>,
-    /// It as a definition.
+    /// The formula as a definition.
     pub definition: Option<Defined>,
 }
 
-/// An effect by formula that can be used.
+/// A usable effect by formula.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Defined {
@@ -62,19 +62,19 @@ pub struct Defined {
     pub effect: String,
     /// Unit of its coefficient; `1` for a number.
     pub unit: String,
-    /// The largest plausible coefficient, either way.
+    /// The largest plausible coefficient, of either sign.
     pub largest: f64,
-    /// The coefficient that fits the error by least squares, with a constant beside it. The filter, the other
-    /// effects and the noise's colour are not in it: it is for the eye. `add` learns the coefficient that
-    /// counts.
+    /// The coefficient that fits the error by least squares, together with a constant. It ignores the filter,
+    /// the other effects and the noise's colour, and is for display only. `add` learns the coefficient for
+    /// the model.
     pub coefficient: f64,
-    /// Share of the error's variance that it explains there, from 0 to 1.
+    /// Share of the error's variance that it explains, from 0 to 1.
     pub explained: f64,
-    /// What the formula says, metres per unit of the coefficient: means over blocks of the flight.
+    /// The formula's value, metres per unit of the coefficient: means over blocks of the flight.
     pub x: Numbers,
     /// The error's mean over each of these blocks, m.
     pub y: Numbers,
-    /// The model with the definition; nothing is learned yet.
+    /// The model with the definition, whose coefficient is not learned yet.
     pub model: ModelText,
 }
 
@@ -84,15 +84,15 @@ pub struct Defined {
 pub struct DiscoverRequest {
     /// The flights to learn from.
     pub flights: Vec<String>,
-    /// The flights to judge by.
+    /// The held-out flights.
     pub hold_outs: Vec<String>,
     /// The model.
     pub model: ModelText,
-    /// What the user says of their times.
+    /// The user's times for them.
     pub times: TimesByFlight,
 }
 
-/// What was found.
+/// The laws found.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Discovered {
@@ -100,6 +100,6 @@ pub struct Discovered {
     pub discovery: Discovery,
     /// An id for each law, as `pylon discover --write` makes it.
     pub ids: Vec<String>,
-    /// In words, where no law is proposed: why.
+    /// Why no law is proposed, if none is.
     pub why_none: Option<String>,
 }

@@ -2,16 +2,16 @@
 
 use serde::Serialize;
 
-/// How good the news is; what it is drawn as.
+/// How good the result is, which determines its look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum Tone {
-    /// All is well, or got better.
+    /// Good, or better than before.
     Good,
-    /// Something is missing or cannot be told.
+    /// Something is missing or undetermined.
     Caution,
-    /// A sensor is not to be trusted, or nothing explains it.
+    /// A sensor is untrustworthy, or an error is unexplained.
     Bad,
 }
 
@@ -21,8 +21,8 @@ pub enum Tone {
 pub struct Headline {
     /// The sentence.
     pub sentence: String,
-    /// How good the news is.
+    /// How good the result is.
     pub tone: Tone,
-    /// The effect that it names, if it names one: what Add would add.
+    /// The effect that the sentence names, if any; Add would add this one.
     pub effect: Option<String>,
 }

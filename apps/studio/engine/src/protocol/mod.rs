@@ -1,11 +1,12 @@
-//! What a page asks the engine and what it is answered: one request, one answer, as JSON.
+//! The protocol between a page and the engine: one request, one answer, as JSON.
 //!
-//! Arrays of numbers do not go through JSON: an answer names them by their place ([`Numbers`]) in the numbers
-//! that are handed over with it. The bytes of a log come with a request, those of an export with an answer.
+//! Arrays of numbers do not pass through JSON: an answer refers to them by their position ([`Numbers`]) in
+//! the numbers that are handed over with it. The bytes of a log come with a request, those of an export with
+//! an answer.
 //!
-//! A model is a value: every request that needs one brings its text. So an engine remembers nothing but the
-//! flights, which are files of the user's: one that was lost is opened anew, and any number of engines work
-//! on one model.
+//! A model is a value: every request that needs one contains its text. So an engine keeps no state but the
+//! flights, which are the user's files: a lost one is opened again, and any number of engines can work on one
+//! model.
 
 mod calls;
 mod correlation;

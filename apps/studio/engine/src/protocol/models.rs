@@ -2,17 +2,17 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A model, as its file is.
+/// A model, as in its file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ModelText {
-    /// What results call it: a file's name, or a preset's.
+    /// Its name in results: a file's name, or a preset's.
     pub name: String,
-    /// Its TOML. An empty one is the default model.
+    /// Its TOML. An empty text is the default model.
     pub text: String,
 }
 
-/// Asks what is in a model. An error is the file's own: line, key, what was expected.
+/// Asks for the contents of a model. An error is the file's own: line, key, what was expected.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ModelRequest {
@@ -20,15 +20,15 @@ pub struct ModelRequest {
     pub model: ModelText,
 }
 
-/// What is in a model.
+/// The contents of a model.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ModelFacts {
-    /// The effects that it accounts for, in its order.
+    /// The effects that it accounts for, in the model's order.
     pub effects: Vec<TermFacts>,
     /// Its revisions, oldest first.
     pub revisions: Vec<RevisionFacts>,
-    /// What in it is unlikely.
+    /// Warnings about unlikely values.
     pub warnings: Vec<String>,
 }
 
@@ -46,13 +46,13 @@ pub struct TermFacts {
     pub unit: String,
     /// Whether the filter estimates it in captive flight.
     pub estimate: bool,
-    /// Time constant of its regressor, seconds, where it has one.
+    /// Time constant of its regressor, seconds, if it has one.
     pub time_constant_s: Option<f64>,
     /// When that regressor's clock starts: `launch` or `start`.
     pub since: Option<String>,
     /// What it was learned from.
     pub learned_from: Option<String>,
-    /// The day.
+    /// The date on which it was learned.
     pub date: Option<String>,
 }
 
@@ -62,9 +62,9 @@ pub struct TermFacts {
 pub struct RevisionFacts {
     /// Its number.
     pub number: u32,
-    /// The effect that it added or learned anew.
+    /// The effect that it added or learned again.
     pub effect: Option<String>,
-    /// The day.
+    /// The date.
     pub date: Option<String>,
 }
 
@@ -79,6 +79,6 @@ pub struct PresetsRequest {}
 pub struct Preset {
     /// The model.
     pub model: ModelText,
-    /// What it is, in one sentence.
+    /// Description in one sentence.
     pub about: String,
 }

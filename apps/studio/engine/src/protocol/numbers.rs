@@ -2,14 +2,14 @@
 
 use serde::Serialize;
 
-/// Where an array lies in the numbers that are handed over with an answer: f64, in the machine's own order.
+/// Position of an array in the numbers that are handed over with an answer: f64, in the machine's byte order.
 ///
-/// NaN stands for: no value here.
+/// NaN means that there is no value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Numbers {
-    /// The first one's place.
+    /// Index of the first number.
     pub start: u32,
-    /// How many.
+    /// Number of values.
     pub length: u32,
 }

@@ -1,4 +1,4 @@
-//! What the command line's commands find: their own types.
+//! The results of the command line's commands, in their own types.
 
 use analysis::batch::Batch;
 use analysis::compare::Comparison;
@@ -16,7 +16,7 @@ pub struct CompareRequest {
     pub flight: String,
     /// The model.
     pub model: ModelText,
-    /// What the user says of its times.
+    /// The user's times for it.
     pub times: Times,
 }
 
@@ -26,7 +26,7 @@ pub struct CompareRequest {
 pub struct Compared {
     /// What `pylon compare --json` prints. A value that is not finite is null.
     pub comparison: Comparison,
-    /// In one sentence.
+    /// The result in one sentence.
     pub headline: Headline,
 }
 
@@ -36,11 +36,11 @@ pub struct Compared {
 pub struct DiagnoseRequest {
     /// The flights to learn from: one, or several together.
     pub flights: Vec<String>,
-    /// The flights to judge by; without, stretches of the flights are held out in turn.
+    /// The held-out flights; if there are none, stretches of the flights are held out in turn.
     pub hold_outs: Vec<String>,
     /// The model.
     pub model: ModelText,
-    /// What the user says of their times.
+    /// The user's times for them.
     pub times: TimesByFlight,
 }
 
@@ -48,11 +48,12 @@ pub struct DiagnoseRequest {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Diagnosed {
-    /// What `pylon diagnose --json` prints of all flights together. A value that is not finite is null.
+    /// What `pylon diagnose --json` prints for all flights together. A value that is not finite is null.
     pub diagnosis: Diagnosis,
-    /// Of several flights: what each says alone, by vehicle, and which do not belong with the others.
+    /// For several flights: each flight's own result, by vehicle, and which flights do not belong with the
+    /// others.
     pub batch: Option<Batch>,
-    /// In one sentence.
+    /// The result in one sentence.
     pub headline: Headline,
 }
 
@@ -64,11 +65,11 @@ pub struct AddRequest {
     pub effect: String,
     /// The flights to learn from.
     pub flights: Vec<String>,
-    /// The flights to judge by.
+    /// The held-out flights.
     pub hold_outs: Vec<String>,
-    /// The model as it is.
+    /// The current model.
     pub model: ModelText,
-    /// What the user says of their times.
+    /// The user's times for them.
     pub times: TimesByFlight,
     /// Whether the filter is to estimate the coefficient in captive flight.
     pub estimate: bool,
@@ -76,7 +77,7 @@ pub struct AddRequest {
     pub time_constant_s: Option<f64>,
     /// `launch` or `start`; null: whichever fits best.
     pub since: Option<String>,
-    /// The day to write down, as 2026-01-31.
+    /// The date to record, as 2026-01-31.
     pub date: String,
 }
 
@@ -84,19 +85,19 @@ pub struct AddRequest {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Added {
-    /// What `pylon add --json` prints. Where it has `concerns`, the command line would not write it without
-    /// being told to.
+    /// What `pylon add --json` prints. If it has `concerns`, the command line would not write it without
+    /// `--force`.
     pub addition: Addition,
     /// The model with it: the next revision, under the same name.
     pub model: ModelText,
-    /// In one sentence: what was learned, and how the error falls.
+    /// What was learned and how the error falls, in one sentence.
     pub headline: Headline,
-    /// Every revision of that model on the flights, those to learn from first: what [`LadderRequest`] is
-    /// answered by. Null where a flight has nothing to calibrate on.
+    /// Every revision of that model on the flights, those to learn from first: the answer to a
+    /// [`LadderRequest`]. Null if a flight cannot be calibrated.
     pub ladder: Option<Ladder>,
 }
 
-/// Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json`
+/// Flies every revision of a model over flights: `pylon ladder`. The answer is what `pylon ladder --json`
 /// prints.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -105,19 +106,19 @@ pub struct LadderRequest {
     pub flights: Vec<String>,
     /// The model.
     pub model: ModelText,
-    /// What the user says of their times.
+    /// The user's times for them.
     pub times: TimesByFlight,
 }
 
-/// Makes a file of a result. Its bytes come with the answer: byte for byte what the command line writes.
+/// Makes a file of a result. Its bytes come with the answer and are those that the command line writes.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ExportRequest {
-    /// What of.
+    /// The result to export.
     pub export: Exports,
 }
 
-/// What a file can be made of.
+/// A result that can be exported.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -135,7 +136,7 @@ pub enum Exports {
     },
 }
 
-/// A file, whose bytes go with the answer.
+/// A file, whose bytes come with the answer.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Exported {

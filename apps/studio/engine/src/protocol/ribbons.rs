@@ -1,4 +1,4 @@
-//! What the aircraft did and what its sensors were worth, over time.
+//! The aircraft's motion and the sensors' trust over time.
 
 use analysis::compare::MotionSources;
 use serde::Serialize;
@@ -6,19 +6,19 @@ use std::collections::BTreeMap;
 
 use super::Numbers;
 
-/// A stretch of time and what there was in it.
+/// A stretch of time with its label.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Span {
-    /// From when, seconds of the flight's own clock.
+    /// Start, seconds of the flight's own clock.
     pub from_s: f64,
-    /// To when.
+    /// End.
     pub to_s: f64,
-    /// What, a word of the catalogue: a manoeuvre, a trust, a phase.
+    /// The label: a manoeuvre, a trust or a phase.
     pub what: String,
 }
 
-/// How the aircraft moved, second by second; NaN where the flight does not say.
+/// The aircraft's motion, second by second; NaN where the flight does not record it.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MotionNumbers {
@@ -46,7 +46,7 @@ pub struct Ribbons {
     pub manoeuvres: Vec<Span>,
     /// The motion.
     pub motion: MotionNumbers,
-    /// Which signals it was read from.
+    /// The signals from which it was computed.
     pub sources: MotionSources,
     /// The alarm limit of each sensor's moving average and error, m, either side of zero.
     pub bounds_m: BTreeMap<String, f64>,

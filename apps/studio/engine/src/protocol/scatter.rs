@@ -1,47 +1,47 @@
-//! One signal over another.
+//! One signal against another.
 
 use serde::{Deserialize, Serialize};
 
 use super::{ModelText, Numbers, Signal, Times};
 
-/// Asks for the points of one signal over another.
+/// Asks for the points of one signal against another.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ScatterRequest {
     /// The flight.
     pub flight: String,
-    /// The model that flies.
+    /// The model to fly.
     pub model: ModelText,
-    /// What the user says of its times.
+    /// The user's times for it.
     pub times: Times,
-    /// Across.
+    /// The signal on the horizontal axis.
     pub x: Signal,
-    /// Up.
+    /// The signal on the vertical axis.
     pub y: Signal,
-    /// From when, seconds of the flight's own clock; null: from its first row.
+    /// Start, seconds of the flight's own clock; null: its first row.
     pub from_s: Option<f64>,
-    /// To when; null: to its last.
+    /// End; null: its last row.
     pub to_s: Option<f64>,
-    /// More points than this are thinned out evenly.
+    /// Limit on the points; more are thinned out evenly.
     pub at_most: u32,
 }
 
-/// Points: every value of y with x at that time, between x's values on a straight line, and not over a gap.
+/// Points: every value of y with the value of x at that time, interpolated linearly but not over a gap.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Paired {
-    /// When, seconds.
+    /// Time, seconds.
     pub time_s: Numbers,
-    /// Across.
+    /// Horizontal values.
     pub x: Numbers,
-    /// Up.
+    /// Vertical values.
     pub y: Numbers,
     /// x's unit.
     pub x_unit: String,
     /// y's unit.
     pub y_unit: String,
-    /// How many points there are, of which those are shown.
+    /// Number of points before thinning.
     pub of: u32,
-    /// Values of y that x has none for.
+    /// Values of y for which x has none.
     pub unpaired: u32,
 }

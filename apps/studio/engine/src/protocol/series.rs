@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ModelText, Numbers, Times};
 
-/// An effect and its coefficient, as a diagnosis' candidate has them.
+/// An effect and its coefficient, as in a diagnosis' candidate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Acting {
@@ -19,7 +19,7 @@ pub struct Acting {
     pub since: Option<String>,
 }
 
-/// What a curve is of.
+/// The quantity that a curve shows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "signal", rename_all = "snake_case")]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
@@ -38,13 +38,13 @@ pub enum Signal {
         /// The sensor.
         sensor: String,
     },
-    /// What the model says that the sensor should read there: measured less error, m.
+    /// The model's prediction of the sensor's reading: measured less error, m.
     Modelled {
         /// The sensor.
         sensor: String,
     },
-    /// The sensor's error (eq. 16): reading less bias, effects and reference, m. The reference's own wander
-    /// is in it.
+    /// The sensor's error (eq. 16): reading less bias, effects and reference, m. It includes the reference's
+    /// own wander.
     Error {
         /// The sensor.
         sensor: String,
@@ -54,19 +54,19 @@ pub enum Signal {
         /// The sensor.
         sensor: String,
     },
-    /// The error beyond the reference, m: what of the error is not the reference's own wander, estimated from
-    /// all sensors with the noise that a diagnosis found. It has a `sigma`.
+    /// The error beyond the reference, m: the part that is not the reference's own wander, estimated from all
+    /// sensors with the noise found by a diagnosis. It has a `sigma`.
     BeyondReference {
         /// The sensor.
         sensor: String,
         /// The diagnosis' `noise`.
         noise: NoiseFacts,
-        /// The effects that it found and that the model lacks: they are no wander of the reference's either.
+        /// The effects that it found and that the model lacks: they too are not the reference's wander.
         found: Vec<Acting>,
     },
     /// What an effect adds to its sensor's error, m: coefficient times regressor, whether the model has it or
-    /// not, less its mean over captive flight, which the calibration takes for bias. One of the reference is
-    /// in every sensor's error, with the other sign.
+    /// not, less its mean over captive flight, which the calibration attributes to the bias. An effect on the
+    /// reference appears in every sensor's error with the opposite sign.
     Effect {
         /// The effect.
         of: Acting,
@@ -81,23 +81,23 @@ pub enum Signal {
     TurnRate,
 }
 
-/// Asks for curves on one time axis, thinned out so that their drawing looks the same: no spike is lost.
+/// Asks for curves on one time axis, thinned out without changing how they look: no spike is lost.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SeriesRequest {
     /// The flight.
     pub flight: String,
-    /// The model that flies.
+    /// The model to fly.
     pub model: ModelText,
-    /// What the user says of its times.
+    /// The user's times for it.
     pub times: Times,
     /// The curves.
     pub signals: Vec<Signal>,
-    /// From when, seconds of the flight's own clock; null: from its first row.
+    /// Start, seconds of the flight's own clock; null: its first row.
     pub from_s: Option<f64>,
-    /// To when; null: to its last.
+    /// End; null: its last row.
     pub to_s: Option<f64>,
-    /// How many pixels the axis has.
+    /// Width of the axis, pixels.
     pub pixels: u32,
 }
 
@@ -105,9 +105,9 @@ pub struct SeriesRequest {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Series {
-    /// The axis, seconds, increasing: a row's time each, or the middle of a pixel's slot.
+    /// The axis, seconds, increasing: the time of each row, or the middle of each pixel's slot.
     pub time_s: Numbers,
-    /// Whether a point is a pixel's slot, with least and greatest value; otherwise it is a row, and these are
+    /// Whether a point is a pixel's slot with least and greatest value; otherwise it is a row, and both are
     /// the same array.
     pub is_thinned: bool,
     /// The curves, in the request's order.
@@ -118,20 +118,19 @@ pub struct Series {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Drawn {
-    /// What it is of.
+    /// The quantity that it shows.
     pub signal: Signal,
-    /// Its unit; empty where it has none or the flight does not say.
+    /// Its unit; empty if it has none or the flight does not record it.
     pub unit: String,
-    /// Least value at each point of the axis; NaN where there is no value: the curve is drawn through, but
-    /// not over a gap.
+    /// Least value at each point of the axis; NaN if there is none. The curve is drawn across such points,
+    /// but not over a gap.
     pub least: Numbers,
     /// Greatest value.
     pub greatest: Numbers,
-    /// Standard deviation at each point, where the signal has one.
+    /// Standard deviation at each point, if the signal has one.
     pub sigma: Option<Numbers>,
-    /// From when to when the record has a gap, over which no line is drawn: pairs of seconds, one after the
-    /// other.
+    /// Gaps in the record, over which no line is drawn: start and end in seconds, pair after pair.
     pub gaps_s: Numbers,
-    /// Values that lie in the asked for time.
+    /// Number of values in the requested time.
     pub values: u32,
 }

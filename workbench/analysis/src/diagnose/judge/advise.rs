@@ -1,4 +1,4 @@
-//! What to fly or to record next.
+//! What to fly or record next.
 
 use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
@@ -47,8 +47,8 @@ impl Judge<'_> {
         }
     }
 
-    /// What an identified effect is conditional on: that what no column of the flight tells from it does not
-    /// act.
+    /// The condition of an identified effect: that no effect acts which the flight's columns cannot
+    /// distinguish from it.
     fn untestable(&self, findings: &Findings, diagnosis: &SensorDiagnosis) -> String {
         let is_slow = |effect: &EffectId| matches!(effect, EffectId::BaroDrift | EffectId::BaroWarmUp);
         let slow = diagnosis.missing.iter().filter_map(|id| EffectId::from_name(id)).find(is_slow);
@@ -64,7 +64,8 @@ impl Judge<'_> {
         }
     }
 
-    /// What the nearest effect of the catalogue would have to be, where that is beyond what nature makes.
+    /// The coefficient that the nearest effect of the catalogue would need, where it is outside the physical
+    /// range.
     fn beyond(&self, findings: &Findings, subject: Option<Sensor>) -> Option<String> {
         findings.posterior.as_ref()?;
         let columns = &findings.explanation.columns;
@@ -160,7 +161,7 @@ impl Judge<'_> {
                     }
                 },
             );
-            // What one sensor alone shows may be its own or the reference's.
+            // An error that only one sensor shows may be its own or the reference's.
             let is_of_reference = |effect: &&EffectId| effect.subject().name() == "gps";
             let sensors = Sensor::ALL.iter().filter(|s| self.epochs.iter().any(|e| e.series.has(s.index())));
             let other = if sensors.count() == 1 && set.iter().any(|effect| is_of_reference(&effect)) {
@@ -173,7 +174,7 @@ impl Judge<'_> {
         String::new()
     }
 
-    /// Where the aircraft flies: what a manoeuvre begins at.
+    /// The trim from which a manoeuvre begins.
     pub(crate) fn trim(&self) -> Trim {
         let mean = |signal: usize| {
             let values = self.epochs.iter().flat_map(|e| e.signals.iter()).map(|block| block[signal]);

@@ -17,7 +17,7 @@ impl Judge<'_> {
         coefficient.abs() * self.spread_m(columns[k]).0
     }
 
-    /// Spread (about its captive value where there is one) and range of a column in free flight.
+    /// Spread (about its captive value if there is one) and range of a column in free flight.
     fn spread_m(&self, column: usize) -> (f64, [f64; 2]) {
         let mut sum = 0.0;
         let mut count = 0_u32;
@@ -53,7 +53,7 @@ impl Judge<'_> {
         subject: Option<Sensor>,
     ) -> Vec<CandidateFacts> {
         let explanation = &findings.explanation;
-        // Chosen effects are listed in the order in which they count, each held out beside all others.
+        // Chosen effects are listed by importance, each held out with all others kept.
         let mut chosen: Vec<(f64, usize)> =
             (0..explanation.columns.len()).map(|k| (self.size_m(findings, k), k)).collect();
         chosen.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -79,7 +79,8 @@ impl Judge<'_> {
         facts
     }
 
-    /// Whether what a candidate would have to be beside the chosen ones is what nature allows.
+    /// Whether the coefficient that a candidate would have together with the chosen ones is physically
+    /// possible.
     fn is_suspect(&self, findings: &Findings, column: usize) -> bool {
         let others =
             findings.explanation.columns.iter().filter(|other| !self.suspects.same_effect(**other, column));
@@ -137,8 +138,8 @@ impl Judge<'_> {
         })
     }
 
-    /// The probability that an effect acts: by the sets of effects, or else as one of those that may stand in
-    /// a chosen one's place.
+    /// The probability that an effect acts: from the sets of effects, or else as one of those that may
+    /// replace a chosen one.
     fn probability(&self, findings: &Findings, effect: EffectId) -> Option<f64> {
         if let Some(posterior) = &findings.posterior {
             return Some(posterior.inclusion(effect));
@@ -148,7 +149,7 @@ impl Judge<'_> {
         own.max_by(f64::total_cmp)
     }
 
-    /// Variance of the noise that the regressors of the effects found bring to a sensor's blocks, m^2.
+    /// Variance of the noise that the regressors of the effects found add to a sensor's blocks, m^2.
     pub(super) fn regressors_noise_m2(&self, findings: &Findings, sensor: Sensor) -> f64 {
         let columns = &findings.explanation.columns;
         let solution = findings.information.solve(&self.suspects.positions(columns));

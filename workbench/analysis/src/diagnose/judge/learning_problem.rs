@@ -1,4 +1,4 @@
-//! What the coefficient of an effect is learned from, by what was found beside it.
+//! What an effect's coefficient is learned from, given what else was found.
 
 use kf_core::effect::EffectId;
 
@@ -12,12 +12,12 @@ use crate::diagnose::roughness::{scale, unsteadiness};
 use crate::diagnose::search::{Explanation, Search};
 use crate::progress::{Cancelled, Progress, step};
 
-/// Most fits of the noise while a time constant is refined.
+/// Maximum number of noise fits while a time constant is refined.
 const REFINEMENTS: usize = 3;
 
 impl Judge<'_> {
-    /// The problem for an effect. Whatever the diagnosis found to act stays beside it, but for what this
-    /// effect could stand in the place of.
+    /// The problem for an effect. Whatever the diagnosis found to act is kept, except what this effect could
+    /// replace.
     pub(in crate::diagnose) fn problem(
         &self,
         search: &mut Search<'_>,
@@ -33,11 +33,11 @@ impl Judge<'_> {
         self.problem_of(&findings, column)
     }
 
-    /// The problem for an effect with the best of its columns beside every other suspect, the noise fitted
-    /// from `start`. `None` where no column of it moves, or is possible.
+    /// The problem for an effect with the best of its columns, together with every other suspect, the noise
+    /// fitted from `start`. `None` if none of its columns moves or is possible.
     ///
     /// # Errors
-    /// [`Cancelled`] when `progress` says so.
+    /// [`Cancelled`] when `progress` requests it.
     pub(in crate::diagnose) fn refined_problem(
         &self,
         search: &mut Search<'_>,
@@ -50,8 +50,7 @@ impl Judge<'_> {
         let mut noise = self.problem.prior.noise(start);
         let mut values = start.to_vec();
         let mut found: Option<(usize, Explanation)> = None;
-        // Which column is best depends on the noise, and the noise on the column; both settle at once, or
-        // nearly so.
+        // The best column depends on the noise, and the noise on the column; both settle almost at once.
         for _ in 0..REFINEMENTS {
             let Some(best) = self.best_beside(&noise, &own, &others) else { return Ok(None) };
             if found.as_ref().is_some_and(|(column, _)| *column == best) {
@@ -67,7 +66,7 @@ impl Judge<'_> {
             .and_then(|(column, explanation)| self.problem_of(&self.findings_of(explanation, None), column)))
     }
 
-    /// The one of the columns that explains most under this noise, beside the others.
+    /// The column that explains most under this noise, together with the others.
     fn best_beside(&self, noise: &Noise, own: &[usize], others: &[usize]) -> Option<usize> {
         let information = self.suspects.information(self.problem, noise);
         let rests = own.iter().filter_map(|column| {
@@ -90,7 +89,7 @@ impl Judge<'_> {
             column,
             known_sigma,
         };
-        // What has a column but is no effect is the wind's.
+        // A column that is not an effect belongs to the wind.
         let (effects, wind): (Vec<_>, Vec<_>) =
             self.problem.known.iter().copied().partition(|known| known.column < self.candidates.len());
         let known = effects.into_iter().map(|known| term(known.column, Some(known.sigma)));
@@ -116,7 +115,7 @@ impl Judge<'_> {
         })
     }
 
-    /// The findings with the best column of a wished effect that was not chosen, and that column.
+    /// The findings with the best column of a requested effect that was not chosen, and that column.
     fn beside_the_others(
         &self,
         search: &mut Search<'_>,
@@ -141,7 +140,7 @@ impl Judge<'_> {
         Some((self.findings_of(explanation, findings.posterior), column))
     }
 
-    /// The findings of a chosen set of columns, of which no rivals were looked for.
+    /// The findings of a chosen set of columns, without a search for rivals.
     fn findings_of(&self, explanation: Explanation, posterior: Option<Posterior>) -> Findings {
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(&explanation, &repeat);
@@ -150,7 +149,7 @@ impl Judge<'_> {
     }
 }
 
-/// A set of columns with one more, ascending.
+/// A set of columns plus one more, ascending.
 fn with(columns: &[usize], column: usize) -> Vec<usize> {
     let mut columns = columns.to_vec();
     columns.push(column);

@@ -27,14 +27,14 @@ use super::simplicity::simpler;
 use super::suspects::Suspects;
 use crate::progress::{Cancelled, Progress, step};
 
-/// A coefficient whose parts differ by more than this, in mean squares of what they should, comes from a
-/// wrong formula.
+/// A coefficient whose parts differ by more than this, in mean squares relative to the expected ones, comes
+/// from a wrong formula.
 const UNEVEN: f64 = 5.0;
 
-/// Effects that look alike by the laws of flight, so that the one stands in for the other when its own signal
-/// was not recorded: lift makes the load factor of the angle of attack times the dynamic pressure; thrust and
-/// the angle of attack follow the airspeed; a sensor's temperature follows its warming up, and slowly the
-/// time; a steady vibration is a bias.
+/// Effects that look alike by the laws of flight, so that one replaces the other when the other's signal was
+/// not recorded. Lift makes the load factor the product of the angle of attack and the dynamic pressure;
+/// thrust and the angle of attack follow the airspeed; a sensor's temperature follows its warming up, and
+/// slowly the time; a steady vibration is a bias.
 const STAND_INS: [(EffectId, EffectId); 6] = [
     (EffectId::BaroAngleOfAttack, EffectId::BaroDynamicPressure),
     (EffectId::BaroPropwash, EffectId::BaroDynamicPressure),
@@ -44,8 +44,8 @@ const STAND_INS: [(EffectId, EffectId); 6] = [
     (EffectId::ImuAccelBias, EffectId::ImuVibration),
 ];
 
-/// Whether a set is a load factor and an angle of attack alone. Where the load factor fits better, no flight
-/// separates them: it is measured at once, and a vane late.
+/// Whether a set is a load factor and an angle of attack alone. No flight separates them where the load
+/// factor fits better: it is measured at once, and a vane with a delay.
 pub(super) fn is_lift(set: &[EffectId]) -> bool {
     set.len() == 2
         && [EffectId::BaroAcceleration, EffectId::BaroAngleOfAttack].iter().all(|effect| set.contains(effect))
@@ -55,7 +55,7 @@ pub(super) fn is_lift(set: &[EffectId]) -> bool {
 pub(super) const SUSPECT: f64 = 0.05;
 
 /// The probability from which on an effect is identified: all others together are less than one suspect. Of
-/// what is said with 95 to 99 % 45 of 48 act, of what is said with more all but one in a hundred
+/// the effects reported with 95 to 99 %, 45 of 48 act; of those reported with more, all but one in a hundred
 /// (docs/blind-trials.md).
 const IDENTIFIED: f64 = 0.95;
 
@@ -76,7 +76,7 @@ pub(super) struct Findings {
     pub(super) information: Information,
     pub(super) rivals: Vec<Rivals>,
     pub(super) repeat: Vec<Repeatability>,
-    /// By how much the variance of each chosen coefficient is larger than its fit's.
+    /// The factor by which the variance of each chosen coefficient exceeds that of its fit.
     pub(super) inflation: Vec<f64>,
     /// Probabilities of sets of effects, where the climb rate is not measured.
     pub(super) posterior: Option<Posterior>,
@@ -104,15 +104,15 @@ impl Judge<'_> {
             explanation = Explanation { columns, fit };
             Some(posterior)
         };
-        // The weakest goes while it may be chance, and several effects while fewer explain as much; the
-        // others are fitted anew.
+        // The weakest effect is dropped while it may be chance, and several are while fewer explain as much;
+        // the others are fitted again.
         loop {
             let without = |left_out: usize| -> Vec<usize> {
                 explanation.columns.iter().copied().filter(|column| *column != left_out).collect()
             };
             let columns = if let Some(posterior) = &posterior {
-                // Of sets with probabilities no more goes than what most probably is nothing, and what was
-                // held out objects to.
+                // From sets with probabilities, only what is most probably absent or what the held-out data
+                // contradicts is dropped.
                 match self.doubtful(posterior, &explanation).or_else(|| self.vetoed(&explanation)) {
                     Some(column) => without(column),
                     None => break,
@@ -168,10 +168,10 @@ impl Judge<'_> {
         Ok((diagnosis, findings))
     }
 
-    /// The effects of a set that can't be told apart, the most probable first: the chosen one, its rivals,
+    /// The effects of a set that cannot be told apart, the most probable first: the chosen one, its rivals,
     /// and those that lack their signal and would look like one of them, and so are as probable as it. Those
-    /// below [`SUSPECT`] are not listed, but for the second: what more than one could have made is never
-    /// one's alone for that.
+    /// below [`SUSPECT`] are not listed, except the second: an error that several effects could cause is
+    /// never attributed to one only because the others are improbable.
     pub(super) fn set(&self, rivals: &Rivals) -> Vec<(EffectId, f64)> {
         let own = self.candidates[rivals.column].effect();
         let mut set = vec![(own, 1.0)];
@@ -182,13 +182,13 @@ impl Judge<'_> {
             }
         }
         for (seen, hidden) in STAND_INS {
-            // Without a thermometer every drift may be the temperature's, which is said, and no set that a
-            // flight could resolve.
+            // Without a thermometer every drift may be the temperature's. This is reported, but it is not a
+            // set that a flight could resolve.
             if rivals.acts.is_some() && hidden == EffectId::BaroTemperature {
                 continue;
             }
-            // The accelerometer is prompt and a vane is not: that the load factor fits better than the angle
-            // of attack says nothing of the cause.
+            // The accelerometer is prompt and a vane is not. A better fit of the load factor than of the
+            // angle of attack is no evidence of the cause.
             let is_told_worse = seen == EffectId::BaroAcceleration;
             let lacks_airspeed =
                 hidden == EffectId::BaroDynamicPressure && lacks_airspeed(self.epochs, hidden);
@@ -220,7 +220,7 @@ impl Judge<'_> {
         set
     }
 
-    /// Whether no more than one sensor flies free: what moves it against the reference may then be the
+    /// Whether at most one sensor is in free flight: its movement against the reference may then be the
     /// reference's own.
     fn is_alone(&self) -> bool {
         let flying = |sensor: &&Sensor| {
@@ -265,7 +265,7 @@ impl Judge<'_> {
             .collect()
     }
 
-    /// Of each effect on the subject the column that fits best beside what was chosen.
+    /// For each effect on the subject, the column that fits best together with the chosen ones.
     pub(super) fn one_an_effect(&self, findings: &Findings, subject: Option<Sensor>) -> Vec<usize> {
         let mut best: BTreeMap<EffectId, (f64, usize)> = BTreeMap::new();
         for column in self.suspects.usable() {
@@ -288,7 +288,7 @@ impl Judge<'_> {
         best.into_values().map(|(_, column)| column).collect()
     }
 
-    /// Positions of the chosen columns of other effects, and last of this one.
+    /// Positions of the chosen columns of other effects, followed by this one.
     pub(super) fn beside(&self, findings: &Findings, column: usize) -> Vec<usize> {
         let others =
             findings.explanation.columns.iter().filter(|other| !self.suspects.same_effect(**other, column));

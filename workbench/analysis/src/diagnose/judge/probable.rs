@@ -1,4 +1,4 @@
-//! What the probabilities of sets of effects say of the chosen one.
+//! What the probabilities of sets of effects mean for the chosen one.
 
 use super::{Findings, Judge};
 use crate::diagnose::information::Solution;
@@ -7,12 +7,12 @@ use crate::diagnose::rivals::Rivals;
 use crate::diagnose::roughness::unsteadiness;
 use crate::diagnose::search::Explanation;
 
-/// The probability that something acts from which on a set is offered.
+/// The minimum probability that something acts for a set to be reported.
 const OFFERED: f64 = 0.9;
 
 impl Judge<'_> {
-    /// Whether a chosen coefficient is none that nature makes, by the sigma that is reported of it: it is
-    /// then not the effect that it looks like.
+    /// Whether a chosen coefficient is physically impossible, given its reported sigma: then it is not the
+    /// effect that it looks like.
     pub(super) fn is_beyond(&self, findings: &Findings, k: usize) -> bool {
         if findings.posterior.is_none() {
             return false;
@@ -33,7 +33,7 @@ impl Judge<'_> {
         })
     }
 
-    /// What could act in the place of each chosen column, by the probabilities of sets.
+    /// What could replace each chosen column, by the probabilities of sets.
     pub(super) fn rivals_by(&self, posterior: &Posterior, explanation: &Explanation) -> Vec<Rivals> {
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         let rest = |columns: &[usize]| {
@@ -48,7 +48,7 @@ impl Judge<'_> {
         chosen.iter().map(of_column).collect()
     }
 
-    /// The chosen column in whose place most probably nothing acts, if that is not improbable.
+    /// The chosen column in whose place most probably nothing acts, if that probability is not small.
     pub(super) fn doubtful(&self, posterior: &Posterior, explanation: &Explanation) -> Option<usize> {
         let chosen = &explanation.columns;
         let empty = chosen.iter().map(|column| (*column, posterior.rivals(*column, chosen, 0.0).empty));

@@ -1,4 +1,4 @@
-//! What is taken back of what the search chose: chance, harm, and effects that cancel each other.
+//! Removes some of what the search chose: chance, harmful effects, and effects that cancel each other.
 
 use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
@@ -17,10 +17,10 @@ use crate::diagnose::search::Explanation;
 /// Corrected for the number of effects tried, a chosen effect must be less likely than this to be chance.
 const SIGNIFICANT: f64 = 0.01;
 
-/// An effect without which held-out errors shrink below this share of themselves does not repeat.
+/// An effect without which held-out errors shrink below this share of their size does not repeat.
 const HARMFUL: f64 = 0.95;
 
-/// Effects are cancelling each other when each is so many times larger than their sum.
+/// Effects cancel each other when each is this many times larger than their sum.
 const CANCELLING: f64 = 2.5;
 
 impl Judge<'_> {
@@ -40,7 +40,7 @@ impl Judge<'_> {
         (worst.1 > SIGNIFICANT).then_some(worst.0)
     }
 
-    /// The effect among several without which the others predict held-out manoeuvres clearly better.
+    /// The one of several effects without which the others predict held-out manoeuvres clearly better.
     pub(super) fn harmful(&self, explanation: &Explanation) -> Option<usize> {
         if explanation.columns.len() < 2 {
             return None;
@@ -59,8 +59,7 @@ impl Judge<'_> {
         (best.1 < HARMFUL * with_all).then_some(best.0)
     }
 
-    /// The chosen column whose coefficient lies outside of what nature allows: beside the noise that goes
-    /// with it in the end.
+    /// The chosen column whose coefficient is outside the physical range, with the final noise.
     pub(super) fn impossible(&self, explanation: &Explanation) -> Option<usize> {
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         let solution = information.solve(&self.suspects.positions(&explanation.columns))?;
@@ -75,10 +74,10 @@ impl Judge<'_> {
         (!self.suspects.is_possible(&explanation.columns, &solution)).then_some(worst.0)
     }
 
-    /// The chosen column that makes what was held out less likely, beyond chance, if there is one: the
-    /// flights that were, or else stretches of the flights, each predicted from the others. Where the climb
-    /// rate is measured `harmful` decides by the errors, as the blind trials have it, and `pylon add` asks
-    /// the likelihood.
+    /// The chosen column that makes the held-out data less likely, beyond chance, if there is one. The
+    /// held-out data are the flights held out, or else stretches of the flights, each predicted from the
+    /// others. Where the climb rate is measured, `harmful` decides by the errors, as in the blind trials, and
+    /// `pylon add` uses the likelihood.
     pub(super) fn vetoed(&self, explanation: &Explanation) -> Option<usize> {
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(explanation, &repeat);
@@ -101,7 +100,7 @@ impl Judge<'_> {
         verdicts.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(column, _)| column)
     }
 
-    /// The larger of what the spread over the parts and what the residual's autocorrelation say.
+    /// The larger of the inflations by the spread over the parts and by the residual's autocorrelation.
     pub(in crate::diagnose) fn inflation(
         &self,
         explanation: &Explanation,
@@ -121,8 +120,8 @@ impl Judge<'_> {
         (alone * effects.len() as f64).min(1.0)
     }
 
-    /// Two effects that are each far larger than what they add up to are told apart by next to nothing:
-    /// each becomes a rival of the other.
+    /// Two effects that are each far larger than their sum are distinguished by next to nothing: each becomes
+    /// a rival of the other.
     pub(super) fn merge_cancelling(&self, explanation: &Explanation, rivals: &mut [Rivals]) {
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         let Some(solution) = information.solve(&self.suspects.positions(&explanation.columns)) else {
@@ -154,8 +153,8 @@ impl Judge<'_> {
         }
     }
 
-    /// What some columns with their coefficients make of a sensor's residual in free flight, rms about the
-    /// captive mean, metres.
+    /// What some columns with their coefficients contribute to a sensor's residual in free flight, rms about
+    /// the captive mean, metres.
     fn made_m(&self, terms: &[&(usize, f64)], sensor: usize) -> f64 {
         let mut sum = 0.0;
         let mut count = 0_u32;

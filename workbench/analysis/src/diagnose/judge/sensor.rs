@@ -1,11 +1,11 @@
-//! One sensor's verdict: of the places at which effects were found, and of what none of them explains.
+//! One sensor's verdict, from the places at which effects were found and from what none of them explains.
 //!
-//! | strongest place | what is left beside it | verdict |
+//! | strongest place | remainder | verdict |
 //! |---|---|---|
 //! | any, or none | much | unknown effect |
 //! | one effect | little | identified |
 //! | several effects | little | indistinguishable |
-//! | no effect can be this | little | unknown effect |
+//! | an impossible effect | little | unknown effect |
 //! | none | little | no significant misfit, or insufficient excitation |
 
 use kf_core::sensor::Sensor;
@@ -16,36 +16,36 @@ use super::super::unknown;
 use super::{Findings, Judge};
 use crate::name::Name;
 
-/// What remains unexplained makes the verdict when it is more than this share of what was explained.
+/// The unexplained remainder decides the verdict when it is more than this share of what was explained.
 const REST: f64 = 0.25;
 
-/// What the chosen effects say of one sensor.
+/// What the chosen effects mean for one sensor.
 #[derive(Default)]
 struct Places {
-    /// The largest: its size, metres, and what it is.
+    /// The largest: its size, metres, and its verdict.
     strongest: Option<(f64, Verdict)>,
-    /// Evidence that all of them explain.
+    /// Evidence that all of them explain together.
     explained: f64,
     /// The effects that stand alone, the largest first.
     missing: Vec<Name>,
-    /// Those that do not, with their probabilities.
+    /// The effects that do not, with their probabilities.
     sets: Vec<(Vec<Name>, Vec<f64>)>,
 }
 
-/// What no effect explains of one sensor.
+/// What no effect explains on one sensor.
 #[derive(Default)]
 struct Remainder {
     /// Its evidence.
     evidence: f64,
-    /// A signal that is in no effect explains more than the effects.
+    /// Whether a signal that is in no effect explains more than the effects.
     is_better: bool,
     /// Its size, metres.
     size_m: f64,
 }
 
 impl Remainder {
-    /// Whether it is too much for what was explained to be the cause. Wind makes a formula that lacks the
-    /// airspeed wrong by more than a signal may be right by chance.
+    /// Whether it is too much for the explained part to be the cause. Wind makes a formula that lacks the
+    /// airspeed more wrong than a signal can be right by chance.
     fn is_much(&self, explained: f64, lacks_airspeed: bool) -> bool {
         if lacks_airspeed {
             self.evidence > explained
@@ -64,7 +64,8 @@ impl Judge<'_> {
             Some(sensor) => self.remainder(findings, sensor, places.explained, &mut diagnosis),
             None => Remainder::default(),
         };
-        // Of one sensor against the receiver what the receiver's effects explain is explained of it too.
+        // With one sensor against the receiver, what the receiver's effects explain counts as explained on it
+        // too.
         let explained = if findings.posterior.is_some() && subject.is_some() && self.is_alone() {
             findings.rivals.iter().map(|rivals| rivals.explained).sum()
         } else {
@@ -76,7 +77,7 @@ impl Judge<'_> {
             Some((_, verdict)) => verdict,
             None => self.quiet(findings, subject),
         };
-        // Of an unknown effect, what was chosen may be no more than the nearest likeness of what really acts.
+        // For an unknown effect, the chosen one may only be the most similar to what really acts.
         if !is_unknown {
             diagnosis.missing = places.missing;
             (diagnosis.indistinguishable, diagnosis.probabilities) = places.sets.into_iter().unzip();
@@ -84,7 +85,7 @@ impl Judge<'_> {
         diagnosis.advice = self.advise(findings, subject, &diagnosis);
         diagnosis.candidates = self.candidate_facts(findings, subject);
         if findings.posterior.is_none() {
-            // A place that ended as an unknown effect, or as nothing, has no probability.
+            // A place whose verdict is an unknown effect, or nothing, has no probability.
             let is_said = |effect: &Name| {
                 diagnosis.missing.contains(effect)
                     || diagnosis.indistinguishable.iter().any(|set| set.contains(effect))
@@ -100,7 +101,7 @@ impl Judge<'_> {
     fn places(&self, findings: &Findings, subject: Option<Sensor>) -> Places {
         let mut places = Places::default();
         let mut sized: Vec<(f64, usize)> = Vec::new();
-        // Beside a larger misfit that no effect can be, a smaller one may be what is left of it.
+        // A smaller misfit may be the remainder of a larger one that no effect can cause.
         let beyond = (0..findings.rivals.len()).filter(|k| self.is_beyond(findings, *k));
         let explained_beyond = beyond.map(|k| findings.rivals[k].explained).fold(0.0, f64::max);
         for (k, rivals) in findings.rivals.iter().enumerate() {
@@ -137,8 +138,8 @@ impl Judge<'_> {
         places
     }
 
-    /// What no effect explains of a sensor that flies free. Into the diagnosis goes what it follows, and by
-    /// how much the sensor is noisier in free flight.
+    /// What no effect explains on a sensor in free flight. The diagnosis records which signals it follows,
+    /// and by how much the sensor is noisier in free flight.
     fn remainder(
         &self,
         findings: &Findings,
@@ -193,7 +194,7 @@ impl Judge<'_> {
         }
     }
 
-    /// Whether an effect chosen on a sensor is made of an airspeed that was not measured.
+    /// Whether an effect chosen on a sensor is computed from an airspeed that was not measured.
     fn lacks_airspeed_for(&self, findings: &Findings, subject: Option<Sensor>) -> bool {
         findings.explanation.columns.iter().any(|column| {
             let candidate = &self.candidates[*column];

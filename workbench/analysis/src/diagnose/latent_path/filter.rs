@@ -1,28 +1,28 @@
-//! The Kalman filter of a path, its likelihood, and the smoother that goes back over it.
+//! The Kalman filter of a path, its likelihood, and the smoother that runs backwards over it.
 //!
-//! The smoother is the one that needs no inverse (Durbin and Koopman, "Time Series Analysis by State Space
-//! Methods", 2nd edition, sections 4.4 and 6.4, with the measurements of an instant taken one after the
-//! other): `r' = Z e / S + (I - k Z)^T r` back over each measurement, `r' = F^T r` back over each interval,
-//! and the state is `x + P r` with what was predicted for the instant.
+//! The smoother needs no inverse (Durbin and Koopman, "Time Series Analysis by State Space Methods", 2nd
+//! edition, sections 4.4 and 6.4, with the measurements of an instant processed one after the other):
+//! `r' = Z e / S + (I - k Z)^T r` back over each measurement, `r' = F^T r` back over each interval, and the
+//! state is `x + P r` with the state and covariance predicted for the instant.
 
 use super::path_model::{PathModel, STATES, State, Transition};
 
 /// Two altitudes at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
-    /// Since the last one, seconds.
+    /// Time since the last one, seconds.
     pub elapsed_s: f64,
     /// The receiver's altitude, metres.
     pub reference_m: f64,
-    /// The sensor's, metres, if it has any there.
+    /// The sensor's altitude, metres, if it has any there.
     pub sensor_m: Option<f64>,
 }
 
-/// The states that an altitude is the sum of.
+/// The states whose sum is an altitude.
 const RECEIVER: [usize; 2] = [0, 3];
 const SENSOR: [usize; 2] = [0, 4];
 
-/// One measurement as the filter took it.
+/// One measurement as the filter processed it.
 #[derive(Clone, Copy)]
 struct Taken {
     at: [usize; 2],
@@ -34,16 +34,16 @@ struct Taken {
 /// A path at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// Altitude by the receiver's datum, metres.
+    /// Altitude above the receiver's datum, metres.
     pub altitude_m: f64,
     /// Climb rate, m/s.
     pub climb_mps: f64,
 }
 
-/// What the way back needs of an instant.
+/// What the backward pass needs of an instant.
 struct Step {
     predicted: PathPoint,
-    /// The altitude's and the climb rate's rows of the covariance that was predicted.
+    /// The rows of the predicted covariance for the altitude and the climb rate.
     covariance: [State; 2],
     taken: [Option<Taken>; 2],
     transition: Transition,
@@ -71,7 +71,7 @@ impl<'a> Filter<'a> {
             std::array::from_fn(|r| matrix[r].iter().zip(column).map(|(left, right)| left * right).sum())
         };
         self.state = carried(&self.state);
-        // F P by columns, which are rows of the symmetric P, and then its rows by F once more.
+        // F P by columns, which are rows of the symmetric P, and then its rows multiplied by F again.
         let half: [State; STATES] = std::array::from_fn(|c| carried(&self.covariance[c]));
         let turned: [State; STATES] = std::array::from_fn(|r| std::array::from_fn(|c| half[c][r]));
         self.covariance = std::array::from_fn(|r| {
@@ -97,7 +97,7 @@ impl<'a> Filter<'a> {
         Taken { at, gain, innovation, variance }
     }
 
-    /// Goes on to a sighting; `sink` is given every measurement.
+    /// Advances to a sighting; `sink` receives every measurement.
     fn advance(&mut self, sighting: &Sighting, sink: &mut dyn FnMut(Taken)) -> Step {
         self.pass(sighting.elapsed_s);
         let predicted = PathPoint { altitude_m: self.state[0], climb_mps: self.state[1] };
@@ -110,7 +110,7 @@ impl<'a> Filter<'a> {
     }
 }
 
-/// Twice the log likelihood of a stretch of sightings, but for a constant.
+/// Twice the log likelihood of a stretch of sightings, up to a constant.
 #[must_use]
 pub fn twice_log_likelihood(sightings: &[Sighting], model: &PathModel) -> f64 {
     let Some(first) = sightings.first() else { return 0.0 };
@@ -126,7 +126,7 @@ pub fn twice_log_likelihood(sightings: &[Sighting], model: &PathModel) -> f64 {
     sum
 }
 
-/// The path at every sighting given all of them.
+/// The path at every sighting, given all of them.
 #[must_use]
 pub fn smoothed(sightings: &[Sighting], model: &PathModel) -> Vec<PathPoint> {
     let Some(first) = sightings.first() else { return Vec::new() };
@@ -139,7 +139,8 @@ pub fn smoothed(sightings: &[Sighting], model: &PathModel) -> Vec<PathPoint> {
 }
 
 impl Step {
-    /// Goes back over the instant: the path there, and in `behind` what it says of the one before.
+    /// Steps back over the instant: returns the path there, and puts into `behind` what the earlier instant
+    /// needs.
     fn back(&self, behind: &mut State) -> PathPoint {
         for taken in self.taken.iter().rev().flatten() {
             let of_gain: f64 = taken.gain.iter().zip(behind.iter()).map(|(gain, behind)| gain * behind).sum();

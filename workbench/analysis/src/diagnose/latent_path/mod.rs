@@ -1,24 +1,24 @@
 //! The true path, where no receiver measures the climb rate.
 //!
-//! A delay moves an altitude by its time times the climb rate, a scale by its part of the height. The
-//! receiver's own altitude and its slope are those with a noise, which the residual has too. A regressor with
-//! noise makes its coefficient too small, and a noise that both share draws a scale towards -1; what whitens
-//! a slow wander amplifies fast noise, so that of a delay of 2 s 0.4 s were found, and scales of half the
-//! height. The expectation of height and climb rate given all altitudes of the flight has no such share. What
-//! it is off by goes with none of the data it is made of, the residual included, so that a regression on it
-//! is not drawn anywhere ("regression calibration": Carroll, Ruppert, Stefanski and Crainiceanu, "Measurement
-//! Error in Nonlinear Models", 2nd edition, chapter 4).
+//! A delay shifts an altitude by the delay times the climb rate, a scale by a share of the height. The
+//! receiver's own altitude and its slope contain noise, which the residual contains too. Noise in a regressor
+//! makes its coefficient too small, and noise that both share draws a scale towards -1. Whitening a slow
+//! wander amplifies fast noise: a delay of 2 s was found as 0.4 s, and scales of half the height were found.
+//! The expectation of height and climb rate given all altitudes of the flight has no such noise in common
+//! with the residual. Its error is uncorrelated with the data it is made of, the residual included, so a
+//! regression on it is unbiased ("regression calibration": Carroll, Ruppert, Stefanski and Crainiceanu,
+//! "Measurement Error in Nonlinear Models", 2nd edition, chapter 4).
 //!
-//! So the path is a state (`path_model`), receiver and barometer both measure it, and a smoother goes over
-//! the whole flight. Before and after an instant it weighs alike: its climb rate is odd in time, and what it
-//! shares with the noise of a residual before an instant it takes back after it. A flight without a delay
-//! gets none from it.
+//! So the path is a state (`path_model`) that receiver and barometer both measure, and a smoother runs over
+//! the whole flight. It weighs the time before and after an instant alike: its climb rate is odd in time, so
+//! what it shares with the residual's noise before an instant cancels with what it shares after it. It gives
+//! no delay to a flight without one.
 //!
-//! A delay of seconds is no multiple of the climb rate where a path turns within seconds, and two altitudes
-//! that are seconds apart show no one path; what is left over looks like the dynamic pressure, for which
-//! height is exchanged. So they are moved against each other first, by the delay with which one path explains
-//! both best, and the climb rate is the mean over that delay: of a pure delay d, `h(t - d) - h(t)` is -d
-//! times the mean climb rate between the two, exactly.
+//! The effect of a delay of seconds is not a multiple of the climb rate where a path turns within seconds,
+//! and two altitudes that are seconds apart do not show the same path. The remainder looks like the dynamic
+//! pressure, for which height is exchanged. So the altitudes are first shifted against each other by the
+//! delay with which one path explains both best, and the climb rate is the mean over that delay: for a pure
+//! delay d, `h(t - d) - h(t)` is exactly -d times the mean climb rate between the two.
 
 mod filter;
 mod path_model;
@@ -32,27 +32,27 @@ use path_model::{PARAMETERS, PathModel};
 
 pub use filter::PathPoint;
 
-/// Sightings that the path's model is fitted to: a flight of more has this many, in stretches all over it.
+/// Sightings that the path's model is fitted to. A longer flight uses this many, in stretches spread over it.
 const FITTED: usize = 3000;
-/// Stretches that they come in.
+/// Number of these stretches.
 const STRETCHES: usize = 6;
-/// Fewer sightings than this fit no model.
+/// With fewer sightings than this no model is fitted.
 const FEW: usize = 60;
-/// Twice the log likelihood that an iteration of the model's fit must gain to go on.
+/// Gain in twice the log likelihood below which the model's fit stops iterating.
 const GAIN: f64 = 0.1;
 
-/// Longest delay that is looked for, either way, seconds: beyond what nature allows of one (5 s), so that it
-/// is not taken for one of that.
+/// Longest delay that is tried, either way, seconds: longer than the physically possible one (5 s), so that a
+/// longer delay is not mistaken for a possible one.
 const LONGEST_DELAY_S: f64 = 8.0;
-/// Shortest step between delays, seconds: within it a delay is as good as straight.
+/// Shortest step between delays, seconds: within it the effect of a delay is practically linear.
 const DELAY_STEP_S: f64 = 0.5;
-/// Twice the log likelihood that a delay must gain: as an effect in the search does.
+/// Gain in twice the log likelihood that a delay needs: as for an effect in the search.
 const DELAY_GAIN: f64 = 16.0;
 
-/// The path at every fix by the fixes and one sensor's readings (time in microseconds, metres): its altitude,
-/// and the climb rate to which the difference of both altitudes is proportional if one is late.
+/// The path at every fix, from the fixes and one sensor's readings (time in microseconds, metres): its
+/// altitude, and the climb rate to which the difference of both altitudes is proportional if one is late.
 ///
-/// `None` where there is too little of either to say.
+/// `None` where there are too few of either.
 #[must_use]
 pub fn path(
     fixes: &[Fix],
@@ -80,7 +80,7 @@ pub fn path(
 }
 
 /// The delay of the sensor against the receiver with which one path explains both altitudes best, in steps,
-/// seconds; 0 where none is clearly better than none.
+/// seconds; 0 where no delay is clearly better than none.
 fn delay_s(
     fixes: &[Fix],
     readings: &[(u64, f64)],
@@ -93,7 +93,7 @@ fn delay_s(
     let delays_s: Vec<f64> = (-steps..=steps).map(|step| f64::from(step) * step_s).collect();
     let mut tried: Vec<Vec<Sighting>> =
         delays_s.iter().map(|delay_s| sightings(fixes, readings, interval_s, *delay_s)).collect();
-    // Likelihoods of as many measurements can be compared: those that there are with every delay.
+    // Likelihoods can only be compared over the same measurements: those that exist with every delay.
     for k in 0..fixes.len() {
         if tried.iter().any(|sightings| sightings[k].sensor_m.is_none()) {
             tried.iter_mut().for_each(|sightings| sightings[k].sensor_m = None);
@@ -108,7 +108,7 @@ fn delay_s(
     best.filter(|(_, likelihood)| **likelihood > of_none + DELAY_GAIN).map_or(0.0, |(delay_s, _)| *delay_s)
 }
 
-/// The mean climb rate of the last so many seconds before every fix (after it, of a negative time), m/s.
+/// The mean climb rate over this many seconds before every fix (after it, for a negative time), m/s.
 fn means(fixes: &[Fix], climb_mps: &[f64], delay_s: f64) -> Vec<f64> {
     let seconds = |fix: &Fix| fix.time_us as f64 * 1e-6;
     let mut climbed_m = vec![0.0; fixes.len()];
@@ -133,7 +133,7 @@ fn means(fixes: &[Fix], climb_mps: &[f64], delay_s: f64) -> Vec<f64> {
     mean.collect()
 }
 
-/// The fixes, each with the mean of the readings within half an interval of so many seconds later.
+/// The fixes, each with the mean of the readings within half an interval of the time `delay_s` later.
 fn sightings(fixes: &[Fix], readings: &[(u64, f64)], interval_s: f64, delay_s: f64) -> Vec<Sighting> {
     let half_us = (0.5e6 * interval_s) as u64;
     let delay_us = (delay_s * 1e6) as i64;
@@ -158,7 +158,7 @@ fn sightings(fixes: &[Fix], readings: &[(u64, f64)], interval_s: f64, delay_s: f
     at.collect()
 }
 
-/// What a model is fitted to: all sightings, or stretches all over them.
+/// What a model is fitted to: all sightings, or stretches spread over them.
 fn parts(sightings: &[Sighting]) -> Vec<&[Sighting]> {
     if sightings.len() <= FITTED {
         return vec![sightings];
@@ -168,7 +168,7 @@ fn parts(sightings: &[Sighting]) -> Vec<&[Sighting]> {
     (0..STRETCHES).map(|k| &sightings[k * step..k * step + length]).collect()
 }
 
-/// The numbers of the most probable model of a path.
+/// The parameters of the most probable model of a path.
 fn fitted(sightings: &[Sighting], start: &[f64], executor: &dyn Executor) -> Vec<f64> {
     let parts = parts(sightings);
     let objective = |values: &[f64]| {

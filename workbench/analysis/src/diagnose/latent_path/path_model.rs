@@ -10,22 +10,22 @@
 
 /// Altitude, climb rate, acceleration, the receiver's error, the sensor's offset.
 pub const STATES: usize = 5;
-/// A value a state.
+/// One value per state.
 pub type State = [f64; STATES];
-/// Numbers of the model that are fitted.
+/// Number of the model's parameters that are fitted.
 pub const PARAMETERS: usize = 7;
 
-/// Where each of the model's numbers is looked for, in the order of [`PathModel::of`], and the sigma of its
-/// logarithm: orders of magnitude, from gliders to multicopters, and from altitudes in whole metres to
+/// Centre of the prior of each of the model's parameters, in the order of [`PathModel::of`], and the sigma of
+/// its logarithm: orders of magnitude, from gliders to multicopters, and from altitudes in whole metres to
 /// filtered ones.
 const CENTRES: [f64; PARAMETERS] = [1.0, 5.0, 1.0, 0.5, 0.05, 1.0, 8.0];
 const ORDERS: [f64; PARAMETERS] = [1.0, 0.7, 1.0, 1.0, 1.4, 1.0, 0.7];
 
-/// Sigma of the first climb rate, m/s, and of what an altitude is off when it is first seen, metres.
+/// Sigma of the initial climb rate, m/s, and of an altitude's initial offset, metres.
 const FIRST_CLIMB_MPS: f64 = 10.0;
 const FIRST_OFFSET_M: f64 = 100.0;
 
-/// Nodes and weights of Gauss and Legendre's rule of five points on (0, 1).
+/// Nodes and weights of the five-point Gauss-Legendre rule on (0, 1).
 const NODES: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_095),
     (0.230_765_344_947_158, 0.239_314_335_249_683),
@@ -34,7 +34,7 @@ const NODES: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_095),
 ];
 
-/// Time constants after which an acceleration is taken to have died away: to 4e-18 of itself.
+/// Number of time constants after which an acceleration has decayed: to 4e-18 of its value.
 const BENT: u32 = 40;
 
 /// A path's model.
@@ -51,10 +51,10 @@ pub struct PathModel {
     receiver_s: f64,
 }
 
-/// What some time does to a state: `x' = F x + w`, w of covariance Q.
+/// How a state changes over some time: `x' = F x + w`, w of covariance Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition {
-    /// Seconds.
+    /// The time, seconds.
     pub elapsed_s: f64,
     /// F.
     pub matrix: [State; STATES],
@@ -63,7 +63,7 @@ pub struct Transition {
 }
 
 impl PathModel {
-    /// The model of these numbers: logarithms over the centres.
+    /// The model of these parameters: logarithms over the centres.
     #[must_use]
     pub fn of(values: &[f64]) -> Self {
         let number = |k: usize| CENTRES[k] * libm::exp(values.get(k).copied().unwrap_or(0.0));
@@ -78,13 +78,13 @@ impl PathModel {
         }
     }
 
-    /// Twice the negative logarithm of the prior's density but for a constant.
+    /// Twice the negative logarithm of the prior's density, up to a constant.
     #[must_use]
     pub fn twice_prior(values: &[f64]) -> f64 {
         values.iter().zip(ORDERS).map(|(value, order)| (value / order) * (value / order)).sum()
     }
 
-    /// State and covariance before anything is seen but a receiver's altitude and a sensor's, metres.
+    /// State and covariance when only a receiver's altitude and a sensor's have been seen, metres.
     #[must_use]
     pub fn first(&self, reference_m: f64, sensor_m: Option<f64>) -> (State, [State; STATES]) {
         let mut covariance = [[0.0; STATES]; STATES];
@@ -97,7 +97,7 @@ impl PathModel {
         ([reference_m, 0.0, 0.0, 0.0, offset_m], covariance)
     }
 
-    /// What so many seconds do.
+    /// The transition over this many seconds.
     #[must_use]
     pub fn over(&self, elapsed_s: f64) -> Transition {
         let (moved_m, gained_mps, kept) = self.response(elapsed_s);
@@ -126,8 +126,8 @@ impl PathModel {
         Transition { elapsed_s, matrix, noise }
     }
 
-    /// Parts of a time that the rule of five points does: it is exact to ten digits over one time constant,
-    /// and where an acceleration has died away what it leaves is straight. Start and length, seconds.
+    /// Parts of a time that the five-point rule integrates: it is exact to ten digits over one time constant,
+    /// and where an acceleration has decayed, the rest is straight. Start and length, seconds.
     fn panels(&self, elapsed_s: f64) -> impl Iterator<Item = (f64, f64)> {
         let time_s = self.acceleration_s;
         let bent = f64::from(BENT).min((elapsed_s / time_s).floor()) as u32;
@@ -135,7 +135,7 @@ impl PathModel {
         (0..bent).map(move |k| (f64::from(k) * time_s, time_s)).chain([(rest_s, elapsed_s - rest_s)])
     }
 
-    /// What an acceleration of 1 m/s^2 makes of altitude, climb rate and acceleration after some time.
+    /// The altitude, climb rate and acceleration that an acceleration of 1 m/s^2 causes after some time.
     fn response(&self, elapsed_s: f64) -> (f64, f64, f64) {
         let gained = -self.acceleration_s * libm::expm1(-elapsed_s / self.acceleration_s);
         (self.acceleration_s * (elapsed_s - gained), gained, libm::exp(-elapsed_s / self.acceleration_s))
@@ -154,7 +154,7 @@ mod tests {
         std::array::from_fn(|i| std::array::from_fn(|j| matrix[j][i]))
     }
 
-    /// What a time does is what its parts do one after the other: `F(a + b) = F(b) F(a)` and
+    /// The transition over a time is that of its parts one after the other: `F(a + b) = F(b) F(a)` and
     /// `Q(a + b) = F(b) Q(a) F(b)' + Q(b)`, below a time constant of the acceleration and beyond many.
     #[test]
     fn a_time_does_what_its_parts_do() {
@@ -171,7 +171,7 @@ mod tests {
                     for j in 0..STATES {
                         let (found, wanted) = (both.matrix[i][j], matrix[i][j]);
                         assert!((found - wanted).abs() < 1e-9 * wanted.abs().max(1.0), "F {one_s} {i} {j}");
-                        // The rule of five points is good to ten digits.
+                        // The five-point rule is accurate to ten digits.
                         let (found, wanted) = (both.noise[i][j], carried[i][j] + other.noise[i][j]);
                         let size = (both.noise[i][i] * both.noise[j][j]).sqrt();
                         assert!((found - wanted).abs() <= 1e-7 * size, "Q {one_s} {i} {j} {found} {wanted}");
@@ -181,14 +181,14 @@ mod tests {
         }
     }
 
-    /// After long the acceleration has its own variance again, whatever it was; the parts of a time add up to
-    /// it.
+    /// After a long time the acceleration has its stationary variance again, whatever it was; the parts of a
+    /// time add up to it.
     #[test]
     fn an_acceleration_keeps_its_variance() {
         let model = PathModel::of(&[0.4, 0.2]);
         let long = model.over(50.0 * model.acceleration_s);
         let wanted = model.acceleration_mps2 * model.acceleration_mps2;
-        // The last of the panels is the straight rest, in which nothing of it is left.
+        // The last of the panels is the straight rest, in which the acceleration has decayed.
         assert!((long.noise[2][2] / wanted - 1.0).abs() < 1e-6, "{} {wanted}", long.noise[2][2]);
         for elapsed_s in [0.1, 5.0, 100.0, 1_000.0] {
             let mut end_s = 0.0;
@@ -200,7 +200,7 @@ mod tests {
         }
     }
 
-    /// The numbers are logarithms over their centres, and the prior's density is normal in them.
+    /// The parameters are logarithms over their centres, and the prior's density is normal in them.
     #[test]
     fn numbers_are_logarithms_over_their_centres() {
         let (none, twice) = (PathModel::of(&[]), PathModel::of(&[std::f64::consts::LN_2; 7]));
@@ -216,7 +216,7 @@ mod tests {
             assert!((other / one - 2.0).abs() < 1e-12);
         }
         assert_eq!(PathModel::twice_prior(&[0.0; 7]), 0.0);
-        // Each at two of its sigmas: four each.
+        // Each parameter at two of its sigmas: four each.
         assert!(
             (PathModel::twice_prior(&ORDERS.map(|order| 2.0 * order)) - 4.0 * ORDERS.len() as f64).abs()
                 < 1e-12

@@ -8,10 +8,10 @@ use rand_distr::{Distribution as _, StandardNormal};
 use super::path_model::STATES;
 use super::*;
 
-/// Numbers none of which is its centre.
+/// Parameters none of which is at its centre.
 const VALUES: [f64; PARAMETERS] = [0.3, -0.4, 0.2, 0.5, 1.1, -0.3, 0.6];
 
-/// Uneven times, and a sensor that is not there twice.
+/// Uneven times, and a sensor that is missing twice.
 fn few() -> Vec<Sighting> {
     let at = (0..9_u32).map(|k| Sighting {
         elapsed_s: if k == 0 { 0.0 } else { 0.4 + 0.3 * f64::from(k % 4) },
@@ -21,7 +21,7 @@ fn few() -> Vec<Sighting> {
     at.collect()
 }
 
-/// Mean and covariance of climb rates and measurements, written down from the model: the former first.
+/// Mean and covariance of climb rates and measurements, written down from the model: the climb rates first.
 fn dense(sightings: &[Sighting], model: &PathModel) -> (DVector<f64>, DMatrix<f64>, DVector<f64>) {
     let (first, covariance) = model.first(sightings[0].reference_m, sightings[0].sensor_m);
     let matrix = |rows: &[[f64; STATES]; STATES]| DMatrix::from_fn(STATES, STATES, |r, c| rows[r][c]);
@@ -82,7 +82,7 @@ fn filter_and_smoother_are_the_conditional_distribution() {
     }
 }
 
-/// Two steps of a second are one of two, of accelerations that last long and that are hardly there.
+/// Two steps of a second equal one of two, for accelerations that last long and that hardly last.
 #[test]
 fn a_transition_is_made_of_shorter_ones() {
     for value in [-3.0, 0.0, 3.0] {
@@ -97,7 +97,7 @@ fn a_transition_is_made_of_shorter_ones() {
     }
 }
 
-/// Circles in thermals, glides between them; its climb rate.
+/// Circles in thermals with glides between them; returns the climb rate as well.
 fn path(time_s: f64) -> (f64, f64) {
     let wave = |size_m: f64, period_s: f64| {
         let rate = TAU / period_s;
@@ -107,7 +107,7 @@ fn path(time_s: f64) -> (f64, f64) {
     parts.iter().fold((1500.0, 0.0), |(metres, mps), part| (metres + part.0, mps + part.1))
 }
 
-/// An hour of a fix a second in whole metres, barometer and receiver late by so many seconds; the receiver
+/// An hour with a fix a second in whole metres, with barometer and receiver late by these times; the receiver
 /// wanders and filters its noise.
 fn log(seed: u64, sensor_s: f64, receiver_s: f64) -> (Vec<Fix>, Vec<(u64, f64)>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -126,7 +126,7 @@ fn log(seed: u64, sensor_s: f64, receiver_s: f64) -> (Vec<Fix>, Vec<(u64, f64)>)
     (fixes, readings)
 }
 
-/// Of the true difference on the estimated one: slope, and rms of what is left.
+/// Regression of the true difference on the estimated one: slope, and rms of the remainder.
 fn regressed(fixes: &[Fix], of: &dyn Fn(usize) -> f64, truth: &dyn Fn(f64) -> f64) -> (f64, f64) {
     let (mut squares, mut products, mut off) = (0.0, 0.0, 0.0);
     let inner = 20..fixes.len() - 20;
@@ -139,8 +139,8 @@ fn regressed(fixes: &[Fix], of: &dyn Fn(usize) -> f64, truth: &dyn Fn(f64) -> f6
     (products / squares, (off / inner.len() as f64).sqrt())
 }
 
-/// The slope of what is true on what comes out is one: what it is off by does not go with it, whichever of
-/// the two is late. The slope of the fixes' own altitudes is off with what it is made of.
+/// The slope of the true value on the estimate is one: the estimate's error is not correlated with it,
+/// whichever of the two is late. The slope on the fixes' own altitudes is biased by their noise.
 #[test]
 fn what_comes_out_is_off_by_nothing_that_goes_with_it() {
     for (sensor_s, receiver_s) in [(0.0, 0.0), (2.0, 0.0), (5.0, 0.0), (0.0, 3.0)] {
@@ -156,16 +156,16 @@ fn what_comes_out_is_off_by_nothing_that_goes_with_it() {
         let (slope, off_mps) = regressed(&fixes, &|k| points[k].climb_mps, &truth);
         let own = |k: usize| 0.5 * (fixes[k + 1].altitude_m - fixes[k - 1].altitude_m);
         let (rough, rough_mps) = regressed(&fixes, &own, &truth);
-        // Some 4000 s of errors that last for some 10 s, a quarter of the climb rate in size: 0.25 /
+        // About 4000 s of errors that last for about 10 s, a quarter of the climb rate in size: 0.25 /
         // sqrt(400) is one sigma.
         assert!((slope - 1.0).abs() < 0.04, "{sensor_s} {receiver_s}: {slope}");
         assert!(rough < 0.92 && off_mps < 0.5 * rough_mps, "{rough} {off_mps} {rough_mps}");
     }
 }
 
-/// A barometer that reads a twentieth too much, within a few tens of metres: of the path that is what the
-/// difference of both altitudes is. Of the fixes' own, averaged over four seconds, it is drawn towards -1 by
-/// their noise.
+/// A barometer that reads a twentieth too much, within a few tens of metres. On the path's altitude the
+/// difference of both altitudes has that slope. On the fixes' own, averaged over four seconds, the slope is
+/// drawn towards -1 by their noise.
 #[test]
 fn of_the_paths_altitude_a_scale_has_its_size() {
     let mut random = ChaCha8Rng::seed_from_u64(4);
@@ -208,7 +208,7 @@ fn a_delay_is_found_and_none_is_none() {
     }
 }
 
-/// Of a parabola, between fixes and at the ends of the flight.
+/// For a parabola, between fixes and at the ends of the flight.
 #[test]
 fn a_mean_is_that_of_the_seconds_before_or_after() {
     let fixes: Vec<Fix> =

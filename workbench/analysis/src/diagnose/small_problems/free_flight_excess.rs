@@ -1,9 +1,9 @@
-//! Noise that is larger in free flight than an effect that was not found would leave it.
+//! Noise that is larger in free flight than it would be without an effect that was not found.
 
 use super::*;
 use crate::diagnose::unknown::free_flight_excess;
 
-/// The gain for a flight whose white noise is so many times larger in its free half.
+/// The gain for a flight whose white noise is this many times larger in its free half.
 fn excess(factor: f64, explained_white_m2: f64, seed: u64) -> Option<f64> {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut generator) };
@@ -20,13 +20,13 @@ fn steady_noise_has_no_excess() {
     assert_eq!(excess(1.0, 0.0, 70), None);
 }
 
-/// Three times is what the sensor's own propeller may do.
+/// Up to three times may be due to the sensor's own propeller.
 #[test]
 fn only_noise_of_many_times_the_size_is_an_excess() {
     assert_eq!(excess(2.0, 0.0, 80), None);
     let gain = excess(8.0, 0.0, 80).unwrap();
-    // Held at a factor of one, 150 blocks of each half have one sigma: each half's logarithm and squares, up
-    // to the prior's part.
+    // With a factor of one, 150 blocks of each half have one sigma: the logarithm and squares of each half,
+    // up to the prior's part.
     let one = (0.5_f64 * (1.0 + 64.0)).ln();
     let two = 0.5 * 64.0_f64.ln();
     let expected = 300.0 * (one - two);

@@ -31,7 +31,7 @@ fn of_baro(small: &Small) -> SensorDiagnosis {
     diagnosis.sensors["baro"].clone()
 }
 
-/// Effects that the flight would show at a size that nature allows, so that it excites enough.
+/// Effects that the flight would show at a physically possible size, so that it excites enough.
 fn candidates(small: Small) -> Small {
     small
         .candidate(EffectId::BaroLag, |block| 10.0 * sine(0, block))
@@ -45,7 +45,7 @@ fn a_flight_in_which_nothing_acts_has_no_significant_misfit() {
     assert_eq!(found.follows, []);
 }
 
-/// The same without anything that an effect could show in.
+/// The same without anything that would show an effect.
 #[test]
 fn a_flight_that_shows_nothing_excites_too_little() {
     let still = Small::new(BLOCKS, 1)
@@ -82,7 +82,7 @@ fn a_rest_that_follows_a_signal_is_an_unknown_effect() {
     assert_eq!(found.follows[0].signal, "roll_rad");
 }
 
-/// An angle of attack and a load factor that are not quite alike, and an error that is all the one's.
+/// An angle of attack and a load factor that are not quite alike, and an error that is entirely due to one.
 fn lift(seed: u64, error: impl Fn(usize) -> f64) -> SensorDiagnosis {
     let small = candidates(Small::new(BLOCKS, seed))
         .candidate(EffectId::BaroAngleOfAttack, |block| sine(2, block))
@@ -91,8 +91,8 @@ fn lift(seed: u64, error: impl Fn(usize) -> f64) -> SensorDiagnosis {
     of_baro(&small)
 }
 
-/// A load factor is measured at once and an angle of attack late, so that the load factor's better fit is no
-/// word against the angle; and no manoeuvre is advised, for none would change that.
+/// A load factor is measured at once and an angle of attack late, so the load factor's better fit is no
+/// evidence against the angle; and no manoeuvre is advised, because none would change that.
 #[test]
 fn a_load_factor_that_fits_better_is_a_set_with_the_angle_of_attack() {
     let found = lift(5, |block| 4.0 * (sine(2, block) + sine(3, block)));
@@ -101,15 +101,15 @@ fn a_load_factor_that_fits_better_is_a_set_with_the_angle_of_attack() {
     assert!(found.advice.contains("No manoeuvre separates them: lift makes"), "{}", found.advice);
 }
 
-/// The angle's better fit, though, is one.
+/// The angle's better fit, though, is evidence against the load factor.
 #[test]
 fn an_angle_of_attack_that_fits_better_is_identified() {
     let found = lift(6, |block| 4.0 * sine(2, block));
     assert_eq!((found.verdict, found.missing), (Verdict::Identified, vec!["baro.angle_of_attack".into()]));
 }
 
-/// A warming up of twice its own range is there for what else warms, though the thermometer's words fit
-/// worse; one within it is itself.
+/// A warming up of twice its own range stands in for something else that warms, though the thermometer fits
+/// worse; one within its range is itself.
 #[test]
 fn a_warming_up_beyond_its_own_range_is_a_set_with_the_temperature() {
     let of = |metres: f64| {
@@ -126,8 +126,8 @@ fn a_warming_up_beyond_its_own_range_is_a_set_with_the_temperature() {
     assert_eq!(of(40.0).missing, ["baro.warm_up"]);
 }
 
-/// A rest of 4 % beside a large effect may be an error of that one's shape; one of 40 % is an effect of its
-/// own.
+/// A remainder of 4 % next to a large effect may be an error of that effect's shape; one of 40 % is an effect
+/// of its own.
 #[test]
 fn a_small_rest_beside_a_large_effect_is_its_shapes() {
     let named = |share: f64| {

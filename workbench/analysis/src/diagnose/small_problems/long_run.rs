@@ -1,4 +1,4 @@
-//! How much wider a coefficient's error is than its fit says.
+//! How much larger a coefficient's error is than its fit reports.
 
 use super::*;
 use crate::diagnose::long_run::{inflation, variance};
@@ -8,7 +8,7 @@ fn of(small: &Small) -> f64 {
     inflation(&problem(&flights), &NOISE, &[0])[0]
 }
 
-/// Numbers of unit variance that keep their sign over some blocks: each keeps so much of the one before.
+/// Numbers of unit variance that keep their sign over some blocks: each keeps this share of the one before.
 fn persistent(keep: f64, seed: u64) -> impl FnMut() -> f64 {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     let mut state = 0.0;
@@ -19,9 +19,9 @@ fn persistent(keep: f64, seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Noise as the likelihood takes it for leaves scores that are not correlated: nothing is wider. An error
-/// that keeps its sign for some blocks, of which the noise knows nothing, makes the coefficient of a
-/// regressor that does so too less sure.
+/// Noise as the likelihood assumes it leaves scores that are not correlated: no error is widened. An error
+/// that keeps its sign for some blocks, which the noise does not include, makes the coefficient of a similar
+/// regressor less certain.
 #[test]
 fn scores_that_keep_their_sign_widen_the_error() {
     let count = 40;
@@ -37,18 +37,18 @@ fn scores_that_keep_their_sign_widen_the_error() {
         };
         (0..count).map(one).sum::<f64>() / count as f64
     };
-    // With chance the ratio is above one at times, never below: it is cut off there.
+    // By chance the ratio is sometimes above one, never below: it is cut off there.
     let white = mean(0.0);
     assert!((1.0..1.25).contains(&white), "{white}");
-    // Of two such sequences the products keep 0.36 of the one before: (1 + 0.36) / (1 - 0.36) is 2.1, of
-    // which the weights leave some. The error's own size is beside that: 1 m against the 0.3 m that the
-    // likelihood takes the noise for.
+    // The products of two such sequences keep 0.36 of the one before: (1 + 0.36) / (1 - 0.36) is 2.1, of
+    // which the weights leave some. The error's own size adds to that: 1 m against the 0.3 m that the
+    // likelihood assumes.
     let wide = mean(1.0);
     assert!(wide > 3.0 * white, "{wide}");
 }
 
-/// A long-run variance is the squares' sum, and of neighbours twice their product by a weight that falls to
-/// nothing beyond eight seconds: of a hundred ones it is nearly nine of each.
+/// A long-run variance is the sum of the squares plus twice the products of neighbours, by a weight that
+/// falls to zero beyond eight seconds: for a hundred ones it is nearly nine of each.
 #[test]
 fn a_long_run_variance_has_the_neighbours_in_it() {
     assert_eq!(variance(&[2.0, 0.0, 0.0, -3.0], 100.0), 4.0 + 9.0);

@@ -1,5 +1,5 @@
 //! Small problems whose answers are known by algebra: one flight of one or two sensors, regressors that are
-//! sines, coefficients that were chosen. One file for each part of the diagnosis that they test.
+//! sines, chosen coefficients. One file for each part of the diagnosis that they test.
 
 mod free_flight_excess;
 mod judge;
@@ -30,14 +30,14 @@ use super::series::{BySensor, Series};
 use super::signals::NAMES;
 use super::suspects::{Regressors, Suspects};
 
-/// Where the barometer stands among the sensors.
+/// Index of the barometer among the sensors.
 const BARO: usize = Sensor::Baro as usize;
 /// White noise of a block, metres.
 const WHITE_M: f64 = 0.3;
-/// What the reference's wander and the sensors' own are made with.
+/// The wander that the reference and the sensors are simulated with.
 const WANDER: GaussMarkov = GaussMarkov { sigma_m: 0.5, time_s: 20.0 };
 
-/// The noise that the flights are made with.
+/// The noise that the flights are simulated with.
 pub(super) const NOISE: Noise = {
     let sensor = SensorNoise {
         wander: GaussMarkov { sigma_m: 0.05, time_s: 30.0 },
@@ -60,14 +60,14 @@ pub(super) struct Small {
     pub(super) bounds: Vec<Bounds>,
 }
 
-/// The sine number `k`: their periods have no common multiple within a flight.
+/// Sine number `k`: their periods have no common multiple within a flight.
 pub(super) fn sine(k: usize, block: usize) -> f64 {
     const PERIODS_S: [f64; 6] = [23.0, 31.0, 41.0, 53.0, 67.0, 83.0];
     (TAU * block as f64 / PERIODS_S[k] + k as f64).sin()
 }
 
 impl Small {
-    /// A flight of so many seconds in which nothing acts: a bias of 7 m, white noise and the reference's
+    /// A flight of this many seconds in which nothing acts: a bias of 7 m, white noise and the reference's
     /// wander.
     pub(super) fn new(blocks: usize, seed: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
@@ -93,12 +93,12 @@ impl Small {
         Self { series, candidates: Vec::new(), bounds: Vec::new() }
     }
 
-    /// With a candidate whose regressor is `of(block)`; nature allows coefficients from -10 to 10.
+    /// Adds a candidate whose regressor is `of(block)`; its physical range is -10 to 10.
     pub(super) fn candidate(self, id: EffectId, of: impl Fn(usize) -> f64) -> Self {
         self.candidate_in(id, [-10.0, 10.0], of)
     }
 
-    /// As [`Self::candidate`], with what nature allows of the coefficient.
+    /// As [`Self::candidate`], with the physical range of the coefficient.
     fn candidate_in(mut self, id: EffectId, range: [f64; 2], of: impl Fn(usize) -> f64) -> Self {
         self.series.columns.push(Arc::new(on_baro((0..self.series.len()).map(of))));
         let regressor = Regressor { id, time_constant_s: 0.0, since: Clock::Launch };
@@ -107,7 +107,7 @@ impl Small {
         self
     }
 
-    /// With an error of the barometer, metres by block.
+    /// Adds an error of the barometer, metres by block.
     pub(super) fn error(mut self, of: impl Fn(usize) -> f64) -> Self {
         for (block, residual_m) in self.series.residual_m.iter_mut().enumerate() {
             residual_m[BARO] += of(block);
@@ -115,7 +115,7 @@ impl Small {
         self
     }
 
-    /// Without the noise: what is left is the bias and the errors that are added next.
+    /// Removes the noise: only the bias and errors added later remain.
     fn noiseless(mut self) -> Self {
         self.series.residual_m.iter_mut().for_each(|residual_m| residual_m[BARO] = 7.0);
         self

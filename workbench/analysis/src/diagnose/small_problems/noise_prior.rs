@@ -1,8 +1,8 @@
-//! The noise's parameters and what is believed of them.
+//! The noise's parameters and their priors.
 
 use super::*;
 
-/// A flight with the barometer in the phases that are named.
+/// A flight with the barometer in the given phases.
 fn flight(captive: bool, free: bool) -> Series {
     let mut series = Small::new(20, 1).series;
     for (is_free, residual_m) in series.free.iter().zip(&mut series.residual_m) {
@@ -34,8 +34,8 @@ fn the_means_are_the_models_noise() {
     assert_eq!(noise.slow.sigma_m, 0.0);
 }
 
-/// The reference has three numbers, a sensor two of its wander, and the white noise of each phase that it was
-/// flown in; of both, their ratio and that of the wanders.
+/// The reference has three values; a sensor has two for its wander, and the white noise of each phase in
+/// which it was flown. With both phases, the ratio of the white noises and that of the wanders.
 #[test]
 fn only_what_a_flight_shows_is_estimated() {
     for (captive, free, count) in [(false, false, 3), (true, false, 6), (false, true, 6), (true, true, 8)] {
@@ -64,13 +64,13 @@ fn the_density_is_highest_at_the_means_and_a_held_factor_is_held() {
         let (free, steady) = (prior.log_density(&moved), held.log_density(&moved));
         assert!(free < 0.0 && free > -0.5 * 0.1 * 0.1 / (0.2 * 0.2), "{k}: {free}");
         stiffer += usize::from(steady < free);
-        // 0.1 is five sigmas of a factor that is held.
+        // 0.1 is five sigmas of a factor that is held at one.
         assert!(steady == free || (steady + 12.5).abs() < 1e-9, "{k}: {steady}");
     }
     assert_eq!(stiffer, 1);
 }
 
-/// Were a wander allowed to be as fast as a block, it would take the white noise's part.
+/// If a wander could be as fast as a block, it would replace the white noise.
 #[test]
 fn a_correlation_time_has_a_least_value() {
     let flights = [flight(true, true)];

@@ -21,8 +21,8 @@ fn a_coefficient_that_is_the_same_everywhere_repeats_exactly() {
     assert!(found.unevenness < 1e-9, "{found:?}");
 }
 
-/// Noise as the likelihood takes it for: the deviations are what they should be. Their mean square over nine
-/// degrees of freedom is below 3.1 in 999 of 1000 flights, and over the mean of forty flights within 4
+/// With noise as the likelihood assumes it, the deviations have the expected size. Their mean square over
+/// nine degrees of freedom is below 3.1 in 999 of 1000 flights, and the mean over forty flights is within 4
 /// sigmas, sqrt(2 / 9 / 40) each, of one.
 #[test]
 fn noise_alone_makes_deviations_of_the_size_that_they_should_have() {
@@ -31,7 +31,7 @@ fn noise_alone_makes_deviations_of_the_size_that_they_should_have() {
     assert!((mean - 1.0).abs() < 4.0 * (2.0 / 9.0 / count).sqrt(), "{mean}");
 }
 
-/// A wrong formula: right in one half, its sign wrong in the other.
+/// A wrong formula: right in one half, with the wrong sign in the other.
 #[test]
 fn a_coefficient_that_turns_over_is_uneven() {
     let sign = |block: usize| if block < BLOCKS / 2 { 2.0 } else { -1.0 };
@@ -39,7 +39,7 @@ fn a_coefficient_that_turns_over_is_uneven() {
     assert!(found.unevenness > 5.0 && found.inflation > 2.4, "{found:?}");
 }
 
-/// Ten per cent of a coefficient are forgiven, however small the noise; but its sigma has to allow for them.
+/// Ten per cent of a coefficient are tolerated, however small the noise; but its sigma has to allow for them.
 #[test]
 fn a_few_per_cent_from_part_to_part_are_forgiven() {
     let size = |block: usize| if block < BLOCKS / 2 { 41.0 } else { 39.0 };
@@ -47,7 +47,7 @@ fn a_few_per_cent_from_part_to_part_are_forgiven() {
     assert!(found.unevenness < 1.0 && found.inflation > 2.4, "{found:?}");
 }
 
-/// Without the one part that shows it a coefficient is unknown: that says nothing about repeating.
+/// Without the one part that shows it a coefficient is unknown: that is no evidence about repeatability.
 #[test]
 fn one_part_alone_is_no_witness() {
     let only = |block: usize| if (40..80).contains(&block) { sine(0, block) } else { 0.0 };

@@ -1,4 +1,4 @@
-//! Candidates that could stand in each other's place.
+//! Candidates that could replace each other.
 
 use super::*;
 use crate::diagnose::rivals::{Rivals, rivals};
@@ -53,7 +53,7 @@ fn what_is_explained_is_the_squares_of_the_chosen_column() {
     assert!((found.explained / with - 1.0).abs() < 1e-6, "{} {with}", found.explained);
 }
 
-/// The squares that column 0 explains under the noise fitted beside it.
+/// The squares that column 0 explains under the noise fitted with it.
 fn problem_of(small: Small) -> f64 {
     let flights = [small.series];
     let problem = problem(&flights);
@@ -63,7 +63,7 @@ fn problem_of(small: Small) -> f64 {
     solution.coefficients[0].powi(2) / solution.covariance[0]
 }
 
-/// The same shape, but a coefficient of 2 is beyond what nature allows.
+/// The same shape, but a coefficient of 2 is outside the physical range.
 #[test]
 fn an_impossible_coefficient_is_no_rival() {
     let alike = |block: usize| sine(0, block) + 0.03 * sine(1, block);
@@ -72,15 +72,15 @@ fn an_impossible_coefficient_is_no_rival() {
     assert_eq!(with_range([-10.0, 1.0]), [0; 0]);
 }
 
-/// An effect's own other time constants are not its rivals.
+/// Other time constants of the same effect are not its rivals.
 #[test]
 fn an_effect_is_no_rival_of_itself() {
     let alike = |block: usize| sine(0, block) + 0.03 * sine(1, block);
     assert_eq!(of_first(lag(3).candidate(EffectId::BaroLag, alike)).others, [0; 0]);
 }
 
-/// Exactly the same regressor: nothing says which. A range says how far an effect can reach, not how large it
-/// is, and is no evidence where the likelihood is tempered.
+/// Exactly the same regressor: the data cannot tell which. A range limits how far an effect can reach, not
+/// how large it is, and is no evidence where the likelihood is tempered.
 #[test]
 fn odds_are_even_where_the_shapes_are_the_same_whatever_the_ranges() {
     let odds = |range| {

@@ -53,7 +53,7 @@ fn what_acts_is_found_with_its_coefficient() {
     }
 }
 
-/// Of an effect that is tried with several time constants one is chosen.
+/// Of an effect that is tried with several time constants, one is chosen.
 #[test]
 fn an_effect_acts_once() {
     let error = |block| sine(0, block) + sine(1, block);
@@ -79,7 +79,7 @@ fn what_nature_does_not_allow_is_not_found() {
     assert_eq!(with_range([0.0, 3.0]), [0; 0]);
 }
 
-/// One column more a set, the least of rest and penalty first; no set twice.
+/// One more column per set, the smallest sum of remainder and penalty first; no set twice.
 #[test]
 fn sets_are_extended_in_the_order_of_their_rest() {
     let small = three(Small::new(200, 40)).error(|block| sine(0, block) + 3.0 * sine(2, block));

@@ -1,4 +1,4 @@
-//! What a rest follows that no effect explains.
+//! Signals that a remainder follows which no effect explains.
 
 use super::*;
 use crate::diagnose::search::Search;
@@ -8,7 +8,7 @@ const BLOCKS: usize = 300;
 const TOGETHER: Doubts = Doubts { is_alone: false, has_climb_rate: true };
 const ALONE: Doubts = Doubts { is_alone: true, has_climb_rate: true };
 
-/// Tests the rest of a flight with a roll angle and a throttle, beside the columns that were chosen.
+/// Tests the remainder of a flight with a roll angle and a throttle, given the chosen columns.
 fn rest(small: &Small, chosen: &[usize], own: &[usize], explained: f64, doubts: Doubts) -> Unexplained {
     let roll = |block: usize| 0.4 * sine(0, block);
     let throttle = |block: usize| 0.5 + 0.3 * sine(1, block);
@@ -38,14 +38,14 @@ fn a_rest_that_follows_a_signal_says_which_and_how_large_it_is() {
     assert!(!found.is_better, "nothing was chosen that it could be better than");
 }
 
-/// The same shape in the catalogue: it is a candidate's, and the candidate was not strong enough to be
-/// chosen.
+/// The same shape is in the catalogue: it belongs to a candidate, and the candidate was not strong enough to
+/// be chosen.
 #[test]
 fn what_a_candidate_explains_is_no_unknown_effect() {
     let small = Small::new(BLOCKS, 11)
         .candidate(EffectId::BaroSideslip, |block| 0.4 * sine(0, block))
         .error(|block| 2.0 * 0.4 * sine(0, block));
-    // Behind a low pass the signal has another shape, which no candidate has.
+    // After a low pass the signal has another shape, which no candidate has.
     let at_once = |own: &[usize]| {
         let found = rest(&small, &[], own, 0.0, TOGETHER);
         found.follows.iter().any(|follows| follows.signal == "roll_rad" && follows.lag_s == 0.0)
@@ -53,7 +53,7 @@ fn what_a_candidate_explains_is_no_unknown_effect() {
     assert!(at_once(&[]) && !at_once(&[0]));
 }
 
-/// Formulas are right to some per cent: what is left of much is no effect of its own.
+/// Formulas are right to some per cent: the small remainder of a large effect is not an effect of its own.
 #[test]
 fn a_rest_that_is_small_beside_what_was_explained_is_forgiven() {
     let small = Small::new(BLOCKS, 12).error(|block| 0.8 * sine(0, block));
@@ -62,7 +62,7 @@ fn a_rest_that_is_small_beside_what_was_explained_is_forgiven() {
     assert_ne!(rest(&small, &[], &[], 19.0 * evidence, TOGETHER).follows, []);
 }
 
-/// A signal that explains all of what the chosen effect does, and more.
+/// A signal that explains everything that the chosen effect does, and more.
 #[test]
 fn a_signal_can_be_better_than_what_was_chosen() {
     let small = Small::new(BLOCKS, 13)

@@ -27,8 +27,8 @@ fn assert_near(found: &[f64], wanted: &[f64]) {
     }
 }
 
-/// A power is that power of every block; a magnitude where both signs are, else the root; no inverse of
-/// nothing.
+/// A power is that power of every block; a magnitude for a signal with both signs, else the root; no inverse
+/// of zero.
 #[test]
 fn powers_are_powers() {
     let of = |values: &[f64], power, is_signed| {
@@ -44,21 +44,20 @@ fn powers_are_powers() {
     assert_eq!(of(&[1.0, 0.0], Power::Inverse, true), None);
 }
 
-/// The deviation is from captive flight's mean, the rate the difference of the neighbours over their
-/// time, the integral begins with free flight, by the trapezium rule, which is exact for what is
-/// straight.
+/// The deviation is from captive flight's mean, the rate is the difference of the neighbours over their time,
+/// and the integral begins with free flight, by the trapezium rule, which is exact for a straight line.
 #[test]
 fn deviation_rate_and_integral_are_what_they_are_called() {
     assert_near(&made(&[1.0, 3.0, 7.0, 2.0], Operator::Deviation), &[-1.0, 1.0, 5.0, 0.0]);
-    // Squares of the time since the beginning: twice the time, and at the ends what one neighbour says.
+    // Squares of the time since the beginning: twice the time, and at the ends the one neighbour's slope.
     assert_near(&made(&[0.0, 4.0, 16.0, 36.0], Operator::Rate), &[2.0, 4.0, 8.0, 10.0]);
     assert_near(&made(&[5.0], Operator::Rate), &[0.0]);
     // Three times the time: the integral from 2 s on is 1.5 (t^2 - 4).
     assert_near(&made(&[0.0, 6.0, 12.0, 18.0], Operator::Integral), &[0.0, 0.0, 18.0, 48.0]);
 }
 
-/// A low pass goes to a step by what an exponential leaves, however long the blocks are; a delay shows
-/// what was, and before that the first value.
+/// A low pass follows a step exponentially, however long the blocks are; a delay gives the earlier value, and
+/// at the beginning the first value.
 #[test]
 fn low_pass_and_delay_are_exact_for_a_step_and_a_line() {
     let mut irregular = blocks(&[&[0.0, 1.0, 1.0, 1.0]]);
@@ -84,8 +83,8 @@ fn terms_do_what_they_are_called() {
     assert_eq!(of(TermKind::ExcessEitherWay), [2.0, 0.0, 0.0, 1.5]);
 }
 
-/// The cosine of the heading less the constant, once and of twice the angle, by the means of sine and
-/// cosine; the heading itself too.
+/// The cosine of the heading less the constant, and of twice that angle, from the means of sine and cosine;
+/// and the heading itself.
 #[test]
 fn a_headings_terms_are_its_cosines() {
     let angles = [0.3, 2.0, -2.5];
@@ -118,14 +117,13 @@ fn a_law_is_the_product_of_its_parts() {
     assert_eq!(of.law(&unheard_of), None);
 }
 
-/// What is missing is the value before it, at the beginning the first; quantiles are a tenth apart, and
-/// as many even steps.
+/// A missing value is the value before it, at the beginning the first; quantiles are a tenth apart, with as
+/// many even steps.
 #[test]
 fn gaps_are_filled_and_quantiles_are_tenths() {
     assert_eq!(filled(vec![f64::NAN, 1.0, f64::NAN, 2.0, f64::NAN]), [1.0, 1.0, 1.0, 2.0, 2.0]);
     assert_eq!(filled(vec![f64::NAN; 2]), [0.0; 2]);
-    // A hundred squares: the tenths are squares of tens, the even steps tenths of the range from 0 to
-    // 9,801.
+    // A hundred squares: the tenths are squares of tens, the even steps tenths of the range from 0 to 9,801.
     let found = quantiles((0..100).rev().map(|k| f64::from(k * k)).collect());
     let mut wanted: Vec<f64> = (1..10).map(|k| f64::from(100 * k * k)).collect();
     wanted.extend((1..10).map(|k| 980.1 * f64::from(k)));
@@ -135,8 +133,8 @@ fn gaps_are_filled_and_quantiles_are_tenths() {
     assert_eq!(quantiles(Vec::new()), Vec::<f64>::new());
 }
 
-/// A formula names what begins with a letter or an underscore and goes on with letters, digits and
-/// underscores.
+/// A formula can name a column that begins with a letter or an underscore and continues with letters, digits
+/// and underscores.
 #[test]
 fn names_are_what_formulas_can_name() {
     assert!(["flap", "_x", "a1_b"].into_iter().all(is_name));
@@ -159,9 +157,9 @@ fn series(count: usize) -> Series {
     }
 }
 
-/// Twenty blocks: the airspeed rises from 20 m/s, the climb rate alternates, the air is at 15 to 34
-/// degrees, the flaps at 0 or 90 degrees; the load factor is always the same, three of the throttle's
-/// cells are missing and two of the angle of attack's.
+/// Twenty blocks: the airspeed rises from 20 m/s, the climb rate alternates, the air is at 15 to 34 degrees,
+/// the flaps at 0 or 90 degrees; the load factor is constant, three of the throttle's cells are missing and
+/// two of the angle of attack's.
 fn recorded() -> Vec<Vec<f64>> {
     (0..20)
         .map(|k| {
@@ -183,8 +181,8 @@ fn recorded() -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Signals are those that move and of which at most a tenth is missing, in SI units, with what is to be
-/// known of each; a column that no formula can name, and one of no unit, are said.
+/// Signals are those that move and lack at most a tenth of their values, in SI units, with their properties;
+/// a column that no formula can name, and one without a unit, are reported.
 #[test]
 fn signals_are_what_is_there_and_moves() {
     let (series, blocks) = (series(20), recorded());
@@ -209,8 +207,8 @@ fn signals_are_what_is_there_and_moves() {
     assert!(heading.is_heading && found.flights[0].heading.is_some());
     assert_eq!(found.flights[0].values[2][..3], [0.02; 3], "filled before the first");
     assert_eq!(found.names()[3].unit, "K");
-    // A held-out flight that lacks a signal takes it from all; what it says does not move the others'
-    // means.
+    // A signal that a held-out flight lacks is removed from all flights; the held-out values do not change
+    // the other signals' means.
     let mut other = recorded();
     other.iter_mut().for_each(|block| {
         block[1] = f64::NAN;
@@ -222,7 +220,7 @@ fn signals_are_what_is_there_and_moves() {
     assert_eq!((both.flights.len(), both.flights[1].values[0][0]), (2, 120.0));
 }
 
-/// A planned flight has what its blocks say; what they lack is at its mean, or moves over its range.
+/// A planned flight has the values of its blocks; what they lack is at its mean, or moves over its range.
 #[test]
 fn a_planned_flight_is_at_the_means_where_nothing_is_said() {
     let (series, blocks) = (series(20), recorded());

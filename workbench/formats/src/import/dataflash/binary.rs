@@ -1,15 +1,15 @@
-//! Messages of a binary log (`.bin`), and what is no message.
+//! Messages of a binary log (`.bin`), and damage between them.
 
 use memchr::memmem;
 
 use super::format::{Body, FMT, FMT_LEN, HEADER, Layout, Message};
 use crate::import::damage::Damage;
 
-/// What every message begins with.
+/// First bytes of every message.
 const MAGIC: [u8; 2] = [0xa3, 0x95];
-/// So many definitions of one type are tried; a log has two where one is damaged.
+/// Largest number of definitions tried for one type; a log has two where one is damaged.
 const MOST_DEFINITIONS: usize = 8;
-/// So many messages of a type say which of two definitions is right.
+/// Number of messages of a type used to decide between two definitions.
 const TRIED: usize = 1_000;
 
 /// A binary log's messages, in its order.
@@ -19,20 +19,21 @@ pub struct Messages<'a> {
     /// Index into `layouts`, by type.
     known: [Option<usize>; 256],
     layouts: Vec<Layout>,
-    /// What was left out.
+    /// Bytes that were left out.
     pub damage: Damage,
-    /// Messages of types that nothing defines.
+    /// Messages of undefined types.
     pub undefined: usize,
     /// Definitions that contradict themselves or another one of the same type.
     pub bad_definitions: usize,
 }
 
-/// Whether a whole definition of a message is among these bytes.
+/// Whether these bytes contain a complete definition of a message.
 pub fn has_definition(bytes: &[u8]) -> bool {
     definitions(bytes).0.next().is_some()
 }
 
-/// The definitions in these bytes, and a count of those that contradict themselves, once they have been read.
+/// The definitions in these bytes; and, once they have been read, the number of those that contradict
+/// themselves.
 fn definitions(log: &[u8]) -> (impl Iterator<Item = Layout> + '_, usize) {
     let places = memmem::find_iter(log, &[MAGIC[0], MAGIC[1], FMT]).collect::<Vec<_>>();
     let body = |at: usize| log.get(at + HEADER..at + FMT_LEN);
@@ -85,12 +86,12 @@ impl<'a> Messages<'a> {
         &self.layouts
     }
 
-    /// Whether a message's header is there, of a known type or not.
+    /// Whether a message's header is at `at`, of a known type or not.
     fn is_marked(&self, at: usize) -> bool {
         self.log.get(at..at + 2) == Some(&MAGIC[..])
     }
 
-    /// The end of the message that begins there, if its type is known.
+    /// The layout and the end of the message that begins at `at`, if its type is known.
     fn end(&self, at: usize) -> Option<(usize, usize)> {
         let kind = self.log.get(at + 2).filter(|_| self.is_marked(at))?;
         let layout = *self.known.get(usize::from(*kind))?;
@@ -98,18 +99,18 @@ impl<'a> Messages<'a> {
         Some((layout, at + HEADER + self.layouts.get(layout)?.len))
     }
 
-    /// Whether a whole message is there, with another one, or the log's end, behind it.
+    /// Whether a complete message is at `at`, followed by another one or by the log's end.
     fn is_vouched_for(&self, at: usize) -> bool {
         self.end(at).is_some_and(|(_, end)| end == self.log.len() || self.is_marked(end))
     }
 
-    /// The first message in this stretch that another one vouches for.
+    /// The first message in this stretch that is confirmed by what follows it.
     fn next_vouched_for(&self, from: usize, to: usize) -> Option<usize> {
         let stretch = self.log.get(from..to.min(self.log.len()))?;
         memchr::memchr_iter(MAGIC[0], stretch).map(|offset| from + offset).find(|at| self.is_vouched_for(*at))
     }
 
-    /// Goes on at the next message that can be read.
+    /// Continues at the next message that can be read.
     fn skip(&mut self) {
         let next = self.next_vouched_for(self.at + 1, self.log.len()).unwrap_or(self.log.len());
         self.damage.lost(self.at, next - self.at);
@@ -129,7 +130,7 @@ impl<'a> Iterator for Messages<'a> {
                 continue;
             };
             if !self.is_vouched_for(at) {
-                // Bytes that are missing in it bring the next message forward.
+                // Bytes missing in it make the next message come earlier.
                 if let Some(next) = self.next_vouched_for(at + 1, end) {
                     self.damage.lost(at, next - at);
                     self.at = next;
@@ -149,7 +150,7 @@ impl<'a> Iterator for Messages<'a> {
     }
 }
 
-/// Which of these definitions of one type most of its messages agree with.
+/// The index of the definition of one type that most of its messages agree with.
 fn fitting(log: &[u8], candidates: &[Layout]) -> usize {
     let kind = candidates.first().map_or(0, |layout| layout.kind);
     let fits = |layout: &Layout| {
@@ -162,7 +163,7 @@ fn fitting(log: &[u8], candidates: &[Layout]) -> usize {
             .count()
     };
     let counts: Vec<usize> = candidates.iter().map(fits).collect();
-    // The first of equals.
+    // Of equals, the first.
     let most = counts.iter().max().copied().unwrap_or(0);
     counts.iter().position(|count| *count == most).unwrap_or(0)
 }

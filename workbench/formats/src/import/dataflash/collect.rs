@@ -1,4 +1,4 @@
-//! From messages to groups of values.
+//! Collects messages into groups of values.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,12 @@ use crate::import::stamps::NO_TIME;
 use crate::import::table::Group;
 use flight_data::Channel;
 
-/// Instances of one kind of message; a greater number is damage.
+/// Largest number of instances of one kind of message; a greater number is damage.
 const MOST_INSTANCES: f64 = 8.0;
-/// Microseconds that an f64 holds as whole numbers.
+/// Largest microseconds that an f64 holds as a whole number.
 const LARGEST_TIME_US: f64 = 9.0e15;
 
-/// A message of the receiver. Its numbers are in the order of [`GPS`]'s fields.
+/// A message of the receiver, with its numbers in the order of [`GPS`]'s fields.
 #[derive(Clone, Copy, Debug)]
 pub struct GpsMessage {
     pub stamp: u32,
@@ -22,11 +22,11 @@ pub struct GpsMessage {
     pub numbers: [f64; 11],
 }
 
-/// All that a log has of use.
+/// All useful data of a log.
 #[derive(Debug, Default)]
 pub struct Collected {
     /// Time of each used message, microseconds of the autopilot's clock, in the log's order; [`NO_TIME`]
-    /// where it says none.
+    /// where it has none.
     pub stamps_us: Vec<u64>,
     /// Byte or line of each used message.
     pub places: Vec<usize>,
@@ -34,25 +34,25 @@ pub struct Collected {
     pub groups: BTreeMap<(usize, u8), Group>,
     /// The receivers' messages.
     pub gps: Vec<GpsMessage>,
-    /// Parameters, the last value of each.
+    /// Parameters, with the last value of each.
     pub parameters: BTreeMap<String, f64>,
-    /// What the autopilot says that it is.
+    /// The autopilot's name as it reports it.
     pub firmware: Option<String>,
     /// Messages of each layout.
     pub counts: Vec<usize>,
-    /// Whether each layout is of use.
+    /// Whether each layout is used.
     pub is_used: Vec<bool>,
-    /// Values that are no finite number.
+    /// Values that are not finite.
     pub not_finite: usize,
     /// Messages with an instance that no autopilot has.
     pub bad_instances: usize,
-    /// Fields with a unit of another quantity, once each.
+    /// Fields with a unit of another quantity, each once.
     pub other_units: Vec<String>,
     units: Units,
     plans: Vec<Option<Plan>>,
 }
 
-/// What to do with messages of a layout.
+/// How to handle messages of a layout.
 #[derive(Clone, Debug)]
 enum Plan {
     Nothing,
@@ -64,24 +64,24 @@ enum Plan {
     Multiplier { id: usize, value: usize },
 }
 
-/// A rule on a layout.
+/// A rule applied to a layout.
 #[derive(Clone, Debug)]
 struct Values {
-    /// Its place among the rules; `None` for the receiver's.
+    /// Its index among the rules; `None` for the receiver's.
     rule: Option<usize>,
     first_instance: u8,
     instance_field: Option<usize>,
-    /// Field and microseconds of one of its units.
+    /// Index of the time field, and microseconds a unit.
     time: Option<(usize, f64)>,
-    /// Field and factor of each of the rule's fields that the layout has.
+    /// For each of the rule's fields: index and factor, if the layout has the field.
     fields: Vec<Option<(usize, f64)>>,
 }
 
 impl Collected {
-    /// Takes a message; says whether its numbers could be read.
+    /// Adds a message and returns whether its numbers could be read.
     pub fn take(&mut self, layouts: &[Layout], message: &Message<'_>) -> bool {
         let Some(layout) = layouts.get(message.layout) else { return false };
-        // Definitions have been read before.
+        // Definitions were read before.
         if layout.name == "FMT" {
             return true;
         }
@@ -99,7 +99,7 @@ impl Collected {
             *used = !matches!(plan, Plan::Nothing);
         }
         let done = self.follow(&plan, layout, message);
-        // A message of units has just said how to read this kind anew.
+        // A message of units may have changed how this kind is read.
         if let Some(slot) = self.plans.get_mut(message.layout) {
             *slot = Some(plan);
         }
@@ -165,7 +165,7 @@ impl Collected {
         (is_read, of_kind)
     }
 
-    /// What an autopilot says of itself, if this is that.
+    /// Keeps a text if it is the autopilot's name.
     pub fn firmware_text(&mut self, said: &str) {
         let is_name = ["Ardu", "APM", "Blimp", "AntennaTracker", "Rover V", "Copter V", "Plane V"]
             .iter()
@@ -211,7 +211,7 @@ impl Collected {
         let first = layout.fields.first().map(|field| field.name.as_str());
         let time = match first {
             Some("TimeUS") => Some((0, 1.0)),
-            // In a receiver's message it is the receiver's.
+            // In a receiver's message this field is the receiver's time.
             Some("TimeMS") if place.is_some() => Some((0, 1_000.0)),
             _ if place.is_none() => layout.field(&["T"]).map(|field| (field, 1_000.0)),
             _ => None,
@@ -229,7 +229,7 @@ impl Collected {
         Values { rule: place, first_instance, instance_field, time, fields }
     }
 
-    /// What one of a field's units is in the flight's.
+    /// Factor from a field's unit to the flight's.
     fn factor(&mut self, layout: &Layout, index: usize, rule: &FieldRule) -> Option<f64> {
         let field = layout.fields.get(index)?;
         if rule.target == Target::Throttle {
@@ -278,7 +278,7 @@ impl Collected {
         let time_us = match plan.time {
             None => NO_TIME,
             Some((field, unit)) => match message.number(layout, field).map(|time| time * unit) {
-                // Beyond all clocks, and so beyond those of its neighbours.
+                // Beyond all clocks, and so later than its neighbours.
                 Some(time_us) => time_us.clamp(0.0, LARGEST_TIME_US) as u64,
                 None => return false,
             },
@@ -309,7 +309,7 @@ impl Collected {
     }
 }
 
-/// An angle from half a turn below zero to half a turn above.
+/// An angle between half a turn below zero and half a turn above.
 fn half_turn(angle_rad: f64) -> f64 {
     let turn = std::f64::consts::TAU;
     angle_rad - turn * (angle_rad / turn).round()

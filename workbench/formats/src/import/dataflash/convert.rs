@@ -1,4 +1,4 @@
-//! From a log's groups to a flight's columns.
+//! Converts a log's groups to a flight's columns.
 
 use std::collections::BTreeMap;
 
@@ -15,12 +15,12 @@ use crate::import::table::{Destination, Filling, Group, Table, assemble};
 use crate::import::words::most_of;
 use flight_data::{Channel, Flight, Header, Note};
 
-/// What a log's calibrated airspeed is called.
+/// Name of a log's calibrated airspeed.
 const CALIBRATED_AIRSPEED: &str = "calibrated_airspeed_mps";
-/// An instance with less than this share of the messages of the one with most is damage, or of no use.
+/// An instance with less than this share of the messages of the most frequent one is damage or useless.
 const SELDOM: f64 = 0.1;
 
-/// Turns what was collected into a flight. `place` is what a place in the file is called.
+/// Turns the collected data into a flight. `place` is the word for a place in the file.
 pub fn convert(
     mut collected: Collected,
     layouts: &[Layout],
@@ -103,7 +103,7 @@ fn header(collected: &Collected) -> Header {
     }
 }
 
-/// What the log has, what of it is used and what is not.
+/// The log's content: which of it is used and which is not.
 fn summary(collected: &Collected, layouts: &[Layout], messages: usize, duration_s: f64) -> Vec<String> {
     let kinds = |wanted: bool| {
         let all = layouts.iter().zip(&collected.counts).zip(&collected.is_used);
@@ -132,9 +132,9 @@ fn fix_notes(receiver: &Receiver, times_us: &[Option<u64>], notes: &mut Vec<Stri
     }
 }
 
-/// The time of each stamp that is believed, microseconds.
+/// The time of each accepted stamp, microseconds.
 fn times(collected: &mut Collected, place: &str, notes: &mut Vec<String>) -> Vec<Option<u64>> {
-    // Logs of before 2013 have the receiver's time and no other.
+    // Logs from before 2013 have only the receiver's time.
     if collected.stamps_us.iter().all(|stamp| *stamp == NO_TIME) {
         for message in &collected.gps {
             if let (Some(time_us), Some(slot)) =
@@ -166,7 +166,7 @@ fn times(collected: &mut Collected, place: &str, notes: &mut Vec<String>) -> Vec
     times_us
 }
 
-/// Gives messages without a time one between those of their neighbours; says how many have none.
+/// Interpolates times for messages without one from those of their neighbours; returns how many have none.
 fn interpolate(stamps_us: &[u64], times_us: &mut [Option<u64>]) -> usize {
     let known: Vec<(usize, u64)> =
         times_us.iter().enumerate().filter_map(|(index, time)| Some((index, (*time)?))).collect();
@@ -191,7 +191,7 @@ fn interpolate(stamps_us: &[u64], times_us: &mut [Option<u64>]) -> usize {
     outside
 }
 
-/// Which instance of each kind of message is used: what a parameter says, else the one with most messages.
+/// Chooses the instance of each kind of message: as a parameter says, else the one with most messages.
 fn of_groups<'a>(collected: &'a Collected, fillings: &mut Vec<Filling<'a>>, notes: &mut Vec<String>) {
     let mut of_rule: BTreeMap<usize, Vec<(u8, &'a Group)>> = BTreeMap::new();
     for ((rule, instance), group) in &collected.groups {
@@ -227,7 +227,7 @@ fn of_groups<'a>(collected: &'a Collected, fillings: &mut Vec<Filling<'a>>, note
     }
 }
 
-/// The instance that the vehicle's parameters prefer, if the log has it.
+/// The instance selected by the vehicle's parameters, if the log has it.
 fn primary(collected: &Collected, rule: &Rule, instances: &[(u8, &Group)]) -> Option<u8> {
     let names: &[&str] = match rule.family {
         "baro" => &["BARO_PRIMARY", "GND_PRIMARY"],
@@ -247,7 +247,7 @@ fn of_primary<'a>(rule: &Rule, group: &'a Group, fillings: &mut Vec<Filling<'a>>
             Target::Throttle => Destination::Channel(Channel::Throttle),
         };
         let filling = Filling::of(destination, group, place);
-        // An output that never moves tells nothing.
+        // An output that never moves carries no information.
         if rule.family != "outputs" || !is_constant(&filling) {
             fillings.push(filling);
         }
@@ -260,7 +260,7 @@ fn is_constant(filling: &Filling<'_>) -> bool {
     is_constant
 }
 
-/// Puts in what is of use of an instance that is not used; says under which names.
+/// Adds the useful fields of an instance that is not used, and returns their names.
 fn of_other<'a>(rule: &Rule, instance: u8, group: &'a Group, fillings: &mut Vec<Filling<'a>>) -> Vec<String> {
     let mut names = Vec::new();
     for (place, field) in rule.fields.iter().enumerate() {
@@ -272,7 +272,7 @@ fn of_other<'a>(rule: &Rule, instance: u8, group: &'a Group, fillings: &mut Vec<
     names
 }
 
-/// Takes the barometric altitude above the ground where there is no pressure; says what was done.
+/// Uses the barometric altitude above the ground where there is no pressure; returns a note about it.
 fn without_barometer(fillings: &mut [Filling<'_>]) -> String {
     let own = Destination::signal(BARO_ABOVE_GROUND);
     let has_values = |filling: &&mut Filling<'_>| {

@@ -1,13 +1,13 @@
-//! What a log's messages look like, as its FMT messages define them.
+//! Layout of a log's messages, as defined by its FMT messages.
 //!
-//! Source: ArduPilot, `libraries/AP_Logger/LogStructure.h` (letters) and pymavlink's `DFReader` for those of
-//! old logs.
+//! Source: ArduPilot, `libraries/AP_Logger/LogStructure.h` (letters), and pymavlink's `DFReader` for the
+//! letters of old logs.
 
-/// A message's type, in binary logs.
+/// Type of FMT messages in binary logs.
 pub const FMT: u8 = 128;
-/// Bytes of a header: two that mark it and the type.
+/// Length of a header, bytes: two that mark it and the type.
 pub const HEADER: usize = 3;
-/// A FMT message's bytes.
+/// Length of a FMT message, bytes.
 pub const FMT_LEN: usize = 89;
 
 /// One field of a message.
@@ -17,7 +17,7 @@ pub struct Field {
     pub name: String,
     /// Its letter.
     pub letter: u8,
-    /// Where it is, from the message's header's end on.
+    /// Offset from the end of the message's header.
     offset: usize,
 }
 
@@ -34,7 +34,7 @@ pub struct Layout {
     pub len: usize,
 }
 
-/// Bytes of a letter's value, or `None` for what is no letter.
+/// Size of a letter's value, bytes; `None` for an unknown letter.
 const fn bytes(letter: u8) -> Option<usize> {
     Some(match letter {
         b'b' | b'B' | b'M' => 1,
@@ -47,7 +47,7 @@ const fn bytes(letter: u8) -> Option<usize> {
     })
 }
 
-/// What a letter's number is divided by; text logs have divided already.
+/// Divisor of a letter's number; text logs are already divided.
 const fn divisor(letter: u8) -> f64 {
     match letter {
         b'c' | b'C' | b'e' | b'E' => 100.0,
@@ -56,12 +56,12 @@ const fn divisor(letter: u8) -> f64 {
     }
 }
 
-/// Whether a letter is scaled by itself, so that no MULT is applied.
+/// Whether a letter has its own scale, so that no MULT is applied.
 pub const fn has_scale(letter: u8) -> bool {
     matches!(letter, b'c' | b'C' | b'e' | b'E' | b'L')
 }
 
-/// Whether a letter's number is whole.
+/// Whether a letter's number is an integer.
 pub const fn is_integer(letter: u8) -> bool {
     matches!(letter, b'b' | b'B' | b'h' | b'H' | b'i' | b'I' | b'q' | b'Q')
 }
@@ -73,8 +73,8 @@ pub fn text(bytes: &[u8]) -> String {
 }
 
 impl Layout {
-    /// Of the parts of a definition; `None` if they contradict each other. `length` has the header in it, and
-    /// is not there in some text logs.
+    /// From the parts of a definition; `None` if they contradict each other. `length` includes the header and
+    /// is missing in some text logs.
     pub fn new(kind: u8, length: Option<usize>, name: &str, letters: &str, columns: &str) -> Option<Self> {
         let is_name = |name: &str| {
             !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
@@ -97,7 +97,7 @@ impl Layout {
         agrees.then(|| Self { kind, name: name.to_owned(), fields, len: offset })
     }
 
-    /// Of a FMT message's bytes after its header.
+    /// From a FMT message's bytes after its header.
     pub fn from_fmt(body: &[u8]) -> Option<Self> {
         let part = |from: usize, to: usize| body.get(from..to).map(text);
         let (&kind, &length) = (body.first()?, body.get(1)?);
@@ -105,7 +105,7 @@ impl Layout {
         Self::new(kind, Some(usize::from(length)), &name, &letters, &columns)
     }
 
-    /// The first of these names that is a field's.
+    /// Index of the first of these names that is a field.
     pub fn field(&self, names: &[&str]) -> Option<usize> {
         names.iter().find_map(|name| self.fields.iter().position(|field| field.name == *name))
     }
@@ -116,24 +116,24 @@ impl Layout {
 pub enum Body<'a> {
     /// Bytes after the header.
     Binary(&'a [u8]),
-    /// A line's parts after the name.
+    /// The parts of a line after the name.
     Text(&'a [&'a str]),
 }
 
 /// One message.
 #[derive(Clone, Copy, Debug)]
 pub struct Message<'a> {
-    /// Which of the log's layouts it has.
+    /// Index of its layout among the log's.
     pub layout: usize,
-    /// Byte or line of the file.
+    /// Byte or line in the file.
     pub place: usize,
     /// Its values.
     pub body: Body<'a>,
 }
 
 impl Message<'_> {
-    /// The number in a field, by its place among the layout's, in the unit of its letter; `None` for text and
-    /// what cannot be read.
+    /// The number in a field, by its index in the layout, in the unit of its letter; `None` for text and what
+    /// cannot be read.
     pub fn number(&self, layout: &Layout, index: usize) -> Option<f64> {
         let field = layout.fields.get(index)?;
         match self.body {
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn every_letter_is_read_at_its_place() {
-        // Each letter with the bytes of one value, little-endian, and what it is.
+        // Each letter with the bytes of one value, little-endian, and the value.
         let values: [(u8, &[u8], f64); 17] = [
             (b'b', &[0xfe], -2.0),
             (b'B', &[0xfe], 254.0),
@@ -217,7 +217,7 @@ mod tests {
             (b'g', &[0x00, 0xc9], -10.0),
         ];
         for first in 0..values.len() {
-            // Sixteen letters are the most that a definition holds.
+            // A definition holds at most sixteen letters.
             let some: Vec<_> = (0..16).map(|k| values[(first + k) % values.len()]).collect();
             let letters: String = some.iter().map(|(letter, ..)| char::from(*letter)).collect();
             let names: Vec<String> = (0..16).map(|k| format!("F{k}")).collect();

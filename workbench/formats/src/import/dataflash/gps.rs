@@ -1,4 +1,4 @@
-//! From the receivers' messages to fixes.
+//! Converts the receivers' messages to fixes.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +9,12 @@ use crate::import::receivers::Other;
 use crate::import::table::{Destination, Filling, Samples};
 use flight_data::Channel;
 
-/// The least status of a fix with an altitude.
+/// Lowest status of a fix with an altitude.
 const IS_3D: f64 = 3.0;
-/// A fix's accuracy is logged right behind it.
+/// Longest time from a fix to its accuracy, which is logged right after it.
 const SAME_FIX_US: u64 = 1_000_000;
 
-/// The place of each number in a message, by [`super::rules::GPS`].
+/// Index of each number in a message, by [`super::rules::GPS`].
 mod number {
     pub const STATUS: usize = 0;
     pub const WEEK: usize = 1;
@@ -61,7 +61,7 @@ impl GpsMessage {
     }
 }
 
-/// The fixes of the receiver that is used.
+/// The fixes of the receiver used.
 #[derive(Debug, Default)]
 pub struct Receiver {
     /// Its fixes.
@@ -76,7 +76,7 @@ pub struct Receiver {
     pub others: Vec<Other>,
 }
 
-/// The receiver that has most fixes. `times_us` has the time of each stamp that is believed.
+/// The receiver with the most fixes. `times_us` has the time of each accepted stamp.
 pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
     let mut counts: BTreeMap<u8, usize> = BTreeMap::new();
     for message in collected.gps.iter().filter(|message| message.is_3d()) {
@@ -112,12 +112,12 @@ pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
     Receiver { fillings, without: own().filter(|message| !message.is_3d()).count(), instance, others, fixes }
 }
 
-/// What users call a receiver.
+/// A receiver's name for the user.
 pub fn name(instance: u8) -> String {
     format!("receiver {}", u16::from(instance) + 1)
 }
 
-/// The accuracies that were logged behind the fixes, at the fixes' times.
+/// The accuracies logged after the fixes, at the fixes' times.
 fn accuracies(
     collected: &Collected,
     taken: &[Fix],
@@ -132,12 +132,12 @@ fn accuracies(
             let next = taken.partition_point(|fix| fix.stamp < stamp);
             let fix = taken.get(next.checked_sub(1)?)?;
             let own_us = collected.stamps_us.get(stamp as usize)?;
-            // Zero is what a receiver that does not know says.
+            // A receiver that does not know its accuracy reports zero.
             let fix_us = times_us.get(fix.stamp as usize).copied().flatten()?;
             let is_its = fix_us.abs_diff(*own_us) <= SAME_FIX_US && value > 0.0;
             is_its.then_some((fix.stamp, value))
         });
-        // Of a fix that was logged twice there are two.
+        // A fix that was logged twice has two.
         let mut samples: Vec<(u32, f32)> = samples.collect();
         samples.dedup_by_key(|(stamp, _)| *stamp);
         Filling { destination, samples: samples.into() }

@@ -1,8 +1,7 @@
-//! ArduPilot's DataFlash logs, binary (`.bin`) and as text (`.log`), of copters, planes and rovers.
+//! ArduPilot's DataFlash logs of copters, planes and rovers, binary (`.bin`) and as text (`.log`).
 //!
-//! A log defines its own messages (FMT) and their units (FMTU, UNIT, MULT). Messages have no check: what is
-//! damaged is found by the header that must follow each message, and by times that contradict those around
-//! them.
+//! A log defines its own messages (FMT) and their units (FMTU, UNIT, MULT). Messages have no checksum: damage
+//! is detected by the header that must follow each message, and by times that contradict those around them.
 //!
 //! | in the log | in the flight |
 //! |---|---|
@@ -18,8 +17,8 @@
 //! | RCOU, VIBE | signals `output_*`, `vibration_*` |
 //! | PARM | `parameter NAME` in the header |
 //!
-//! Times are the autopilot's since its start: `TimeUS`, `TimeMS`, or between those of the receiver where
-//! there is no other.
+//! Times count from the autopilot's start: `TimeUS` or `TimeMS`, or interpolated between the receiver's times
+//! where there is no other.
 
 mod binary;
 mod collect;

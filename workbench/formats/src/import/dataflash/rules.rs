@@ -1,42 +1,42 @@
-//! What of each message is of use, and where in a flight it goes.
+//! Which fields of each message are used, and where they go in a flight.
 
 use super::units::Quantity;
 use flight_data::Channel;
 
-/// Where a field goes.
+/// Destination of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// A known column, by the instance that is used.
+    /// A known column, from the instance that is used.
     Channel(Channel),
     /// A signal.
     Signal(&'static str),
-    /// Calibrated airspeed, from which the true one is made.
+    /// Calibrated airspeed, from which the true airspeed is computed.
     CalibratedAirspeed,
-    /// Throttle, whose unit is the vehicle's.
+    /// Throttle, whose unit depends on the vehicle.
     Throttle,
 }
 
 /// A field.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldRule {
-    /// The names that it has had, newest first.
+    /// All its names, newest first.
     pub names: &'static [&'static str],
-    /// What it is.
+    /// Its quantity.
     pub quantity: Quantity,
-    /// What one of it is in the flight's unit, where the log does not say.
+    /// Factor to the flight's unit, where the log gives no unit.
     pub factor: f64,
-    /// Where it goes.
+    /// Its destination.
     pub target: Target,
-    /// What follows `FAMILY_INSTANCE_` in the name of the signal that another instance's is.
+    /// What follows `FAMILY_INSTANCE_` in the signal's name of an instance that is not used.
     pub other: Option<&'static str>,
 }
 
-/// The fields of a kind of message.
+/// The fields of one kind of message.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
-    /// What users call it, and other instances' signals begin with.
+    /// Its name for the user; names of other instances' signals begin with it.
     pub family: &'static str,
-    /// The messages' names, each with the instance that it is of where no field says.
+    /// Names of the messages, each with its instance where no field gives one.
     pub messages: &'static [(&'static str, u8)],
     /// The fields.
     pub fields: &'static [FieldRule],
@@ -62,7 +62,7 @@ const fn in_unit(mut rule: FieldRule, factor: f64) -> FieldRule {
     rule
 }
 
-/// The receiver's fix, its fields in the order of [`super::gps`]' places.
+/// The receiver's fix, its fields in the order of the places in [`super::gps`].
 pub const GPS: Rule = Rule {
     family: "gps",
     messages: &[("GPS", 0), ("GPS2", 1)],
@@ -92,10 +92,10 @@ pub const ACCURACY: Rule = Rule {
     ],
 };
 
-/// Where the accuracy is among the rules.
+/// Index of the accuracy among the rules.
 pub const ACCURACY_PLACE: usize = 0;
 
-/// Everything else. What the autopilot estimated begins with `autopilot_`.
+/// All others. Names of the autopilot's estimates begin with `autopilot_`.
 pub const RULES: [Rule; 14] = [
     ACCURACY,
     Rule {
@@ -195,7 +195,7 @@ pub const RULES: [Rule; 14] = [
             signal(&["VibeZ"], Quantity::Acceleration, "vibration_z_mps2"),
         ],
     },
-    // One core of one filter is used: EKF3's, else EKF2's, else the first one's.
+    // One core of one filter is used: EKF3's, else EKF2's, else the first filter's.
     Rule {
         family: "EKF velocities",
         messages: &[("XKF1", 0), ("NKF1", EKF2), ("EKF1", EKF1)],
@@ -217,7 +217,7 @@ pub const RULES: [Rule; 14] = [
             signal(&["VWE"], Quantity::Speed, "autopilot_wind_e_mps"),
             signal(&["AX"], Quantity::Acceleration, "autopilot_accel_bias_x_mps2"),
             signal(&["AY"], Quantity::Acceleration, "autopilot_accel_bias_y_mps2"),
-            // The second filter estimates that of the third axis alone.
+            // The second filter estimates only the bias of the third axis.
             signal(&["AZ", "AZbias"], Quantity::Acceleration, "autopilot_accel_bias_z_mps2"),
         ],
     },
@@ -242,7 +242,7 @@ pub const RULES: [Rule; 14] = [
     },
 ];
 
-/// Where the instances of the second and first filter begin, after the third one's cores.
+/// First instance number of the second and of the first filter, after the third one's cores.
 const EKF2: u8 = 8;
 const EKF1: u8 = 16;
 /// The barometric altitude above the ground at arming, where the log has nothing better.

@@ -5,7 +5,7 @@ use crate::import::testing::{
 };
 use flight_data::Channel;
 
-/// A value of a field.
+/// The value of a field.
 #[derive(Clone, Debug)]
 enum Cell {
     Number(f64),
@@ -24,13 +24,13 @@ impl From<&str> for Cell {
     }
 }
 
-/// Writes the same log in both forms.
+/// Writes the same log in both formats.
 #[derive(Clone, Default)]
 struct Writer {
     kinds: Vec<(u8, &'static str, &'static str, &'static str)>,
     binary: Vec<u8>,
     text: String,
-    /// Where each message begins in the binary form, and its name.
+    /// Start of each message in the binary format, and its name.
     places: Vec<(usize, &'static str)>,
 }
 
@@ -129,7 +129,7 @@ fn gps(writer: &mut Writer, time_us: f64, week_ms: f64, altitude_m: f64) {
     );
 }
 
-/// A copter of today, so many seconds of it; every fix is logged twice.
+/// Log of a current copter, `seconds` long; every fix is logged twice.
 fn copter(seconds: u32) -> Writer {
     copter_of(seconds, false)
 }
@@ -224,7 +224,7 @@ fn a_copters_log_is_the_same_flight_in_both_forms() {
     ];
     assert_channels(&flight, &expected);
     assert!(samples(&flight, Channel::GpsVnMps)[0].abs() < 1e-6);
-    // The multiplier of FMTU makes -150 hundredths of m/s of a whole number.
+    // With FMTU's multiplier, the integer -150 means hundredths of m/s.
     assert_eq!(signal(&flight, "autopilot_climb_mps")[0], -1.5);
     assert_eq!(signal(&flight, "baro_2_pa")[99], 95_199.0);
     assert_eq!(doubles(&flight, "latitude_deg")[0], 47.123_456_7);
@@ -257,7 +257,7 @@ fn a_log_cut_anywhere_is_read_up_to_there() {
     for length in 0..=log.binary.len() {
         if let Ok((flight, _)) = crate::import::import(&log.binary[..length]) {
             let found = samples(&flight, Channel::BaroPa).len();
-            // Whole messages before the cut; one of two instances counts.
+            // Complete messages before the cut; only one of two instances counts.
             let whole = log.places.iter().enumerate().filter(|(index, (_, name))| {
                 *name == "BARO" && log.places.get(index + 1).is_none_or(|(end, _)| *end <= length)
             });
@@ -278,13 +278,13 @@ fn a_log_cut_anywhere_is_read_up_to_there() {
 fn garbage_in_the_middle_and_lost_bytes_are_named_and_cost_nothing_else() {
     let log = copter(10);
     let clean = import(&log.binary).0;
-    // Headers in it, of a kind that is defined and of one that is not.
+    // It contains headers of a defined and of an undefined kind.
     let mut garbage = garbage(5_000);
     garbage[100..103].copy_from_slice(&[0xa3, 0x95, 132]);
     garbage[200..203].copy_from_slice(&[0xa3, 0x95, 250]);
     assert_garbage_costs_nothing_else(&log.binary, log.places[400].0, &garbage);
 
-    // Ten bytes are missing in a message: the next one is whole.
+    // Ten bytes are missing in a message; the next one is complete.
     let (at, _) = *log.places.iter().skip(400).find(|(_, name)| *name == "IMU").unwrap();
     let mut bytes = log.binary.clone();
     bytes.drain(at + 10..at + 20);
@@ -322,7 +322,7 @@ fn text_lines_that_can_not_be_read_are_counted_and_named() {
     let words = "lines that could not be read and were left out: 3";
     assert!(said(&notes, words) && said(&notes, &format!("the first is line {}", number + 1)), "{notes:?}");
     assert!(said(&notes, "kinds that the log does not define, left out: 1"), "{notes:?}");
-    // The file of another program's Windows.
+    // A file written on Windows by another program.
     let wide: Vec<u8> =
         [0xff, 0xfe].into_iter().chain(log.text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     for log in [&wide[..], &wide[2..]] {
@@ -348,8 +348,8 @@ fn a_second_receiver_is_kept_beside_the_one_with_most_fixes() {
     }
 }
 
-/// A plane of 2014: times in milliseconds, the receiver's by its own field, throttle in per cent, no
-/// instances.
+/// A plane of 2014: times in milliseconds, the receiver's time in a field of its own, throttle in per cent,
+/// no instances.
 #[test]
 fn a_log_of_milliseconds_has_the_receivers_own_time_beside_the_autopilots() {
     let mut writer = Writer::default();
@@ -394,14 +394,14 @@ fn a_log_of_milliseconds_has_the_receivers_own_time_beside_the_autopilots() {
         assert_eq!(samples(&flight, Channel::GpsVnMps)[0], -20.0);
         assert_eq!(samples(&flight, Channel::Throttle)[0], 0.55);
         assert!(flight.header.other.contains(&("start_utc".into(), "2013-12-02T12:07:04Z".into())));
-        // 900 hPa is 988.5 m of standard atmosphere, where the density is 0.9085 of the sea level's.
+        // 900 hPa is 988.5 m in the standard atmosphere, where the density is 0.9085 of that at sea level.
         let true_mps = samples(&flight, Channel::TasMps)[0];
         assert!((true_mps - 20.0 / 0.9085_f32.sqrt()).abs() < 0.01, "{true_mps}");
         assert!(said(&notes, "tas_mps is ARSP's airspeed"), "{notes:?}");
     }
 }
 
-/// A log of 2012: only the receiver has a time, and no barometer is logged but in CTUN.
+/// A log of 2012: only the receiver has a time, and the barometer is logged only in CTUN.
 #[test]
 fn messages_without_a_time_are_put_between_the_receivers_and_said() {
     let mut writer = Writer::default();
@@ -426,7 +426,7 @@ fn messages_without_a_time_are_put_between_the_receivers_and_said() {
         );
     }
     let (flight, notes) = import(&writer.binary);
-    // The first is before any receiver's; each of the others is halfway between two fixes.
+    // The first is before any of the receiver's; each of the others is halfway between two fixes.
     assert_eq!(samples(&flight, Channel::BaroAltM), [12.5; 19]);
     assert_eq!(times(&flight, Channel::BaroAltM)[..2], [0.1, 0.3]);
     assert_eq!(samples(&flight, Channel::Throttle)[0], 0.5);
@@ -491,7 +491,7 @@ fn throttle_is_by_the_outputs_where_nothing_else_says_it() {
     let (flight, notes) = import(&writer.binary);
     assert_eq!(samples(&flight, Channel::Throttle)[0], 0.25);
     assert!(said(&notes, "throttle is by the throttle's output pulses"), "{notes:?}");
-    // What never moves is no signal.
+    // An output that never moves is not a signal.
     assert_eq!((signal(&flight, "output_1_us").len(), signal(&flight, "output_2_us").len()), (0, 20));
 }
 

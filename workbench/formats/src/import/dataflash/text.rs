@@ -11,24 +11,24 @@ pub struct Unread {
     pub lines: usize,
     /// The first of them, from 1.
     pub first: usize,
-    /// Lines of kinds that nothing defines.
+    /// Lines of undefined kinds.
     pub undefined: usize,
     /// Definitions that contradict themselves or an earlier one.
     pub bad_definitions: usize,
 }
 
-/// A text log as its lines.
+/// The lines of a text log.
 pub struct Lines<'a> {
     log: &'a [u8],
     layouts: Vec<Layout>,
     by_name: HashMap<String, usize>,
-    /// What was left out.
+    /// Lines that were left out.
     pub unread: Unread,
-    /// What stands before the first definition: the autopilot, in old logs.
+    /// Lines before the first definition: the autopilot's name, in old logs.
     pub preamble: Vec<String>,
 }
 
-/// The lines of a text, from 1, each without spaces at its ends.
+/// The lines of a text, counted from 1, each without leading or trailing spaces.
 fn lines(log: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     let log = log.strip_prefix(b"\xef\xbb\xbf").unwrap_or(log);
     let end = if log.contains(&b'\n') { b'\n' } else { b'\r' };
@@ -39,7 +39,7 @@ fn parts(line: &str) -> impl Iterator<Item = &str> {
     line.split(',').map(str::trim)
 }
 
-/// A definition's line.
+/// Parses the line of a definition.
 fn definition(line: &str) -> Option<Option<Layout>> {
     let mut parts = parts(line);
     if parts.next() != Some("FMT") {
@@ -49,11 +49,11 @@ fn definition(line: &str) -> Option<Option<Layout>> {
     let length = parts.next().and_then(|length| length.parse().ok());
     let (name, letters) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
     let columns = parts.collect::<Vec<_>>().join(",");
-    // Some logs leave out the last column's name of FMT itself.
+    // Some logs leave out the last column name of FMT itself.
     Some(kind.and_then(|kind| Layout::new(kind, length, name, letters, &columns)))
 }
 
-/// Whether a definition is among these lines.
+/// Whether these lines contain a definition.
 pub fn has_definition(log: &[u8]) -> bool {
     lines(log).any(|(_, line)| {
         line.starts_with(b"FMT")
@@ -114,7 +114,7 @@ impl<'a> Lines<'a> {
         &self.layouts
     }
 
-    /// Shows every message; says of each whether its numbers could be read.
+    /// Passes on every message; `take` returns whether its numbers could be read.
     pub fn each(&mut self, mut take: impl FnMut(&Message<'_>) -> bool) {
         let mut is_preamble = true;
         let mut scratch: Vec<&str> = Vec::new();
@@ -144,7 +144,7 @@ impl<'a> Lines<'a> {
             };
             let fields = self.layouts.get(layout).map_or(0, |layout| layout.fields.len());
             scratch.clear();
-            // A text in the last field may have commas in it.
+            // A text in the last field may contain commas.
             scratch.extend(line.splitn(fields + 1, ',').skip(1).map(str::trim));
             let message = Message { layout, place, body: Body::Text(&scratch) };
             if scratch.len() < fields || !take(&message) {

@@ -1,4 +1,4 @@
-//! Throttle from the outputs, where no message says it.
+//! Throttle from the outputs, where no message gives it.
 
 use std::collections::BTreeMap;
 
@@ -12,8 +12,8 @@ const THROTTLE: f64 = 70.0;
 /// SERVOn_FUNCTION of motors 1 to 8 and 9 to 12.
 const MOTORS: [std::ops::RangeInclusive<f64>; 2] = [33.0..=40.0, 82.0..=85.0];
 
-/// Puts the throttle in that the outputs amount to: the throttle's, or the mean of the motors', each from its
-/// least to its greatest pulse. Says so, or why not.
+/// Adds the throttle computed from the outputs: the throttle's, or the mean of the motors', each scaled from
+/// its least to its greatest pulse. Returns a note about it, or why it is not possible.
 pub fn from_outputs(collected: &Collected, fillings: &mut Vec<Filling<'_>>) -> Option<String> {
     let place = RULES.iter().position(|rule| rule.family == "outputs")?;
     let group = collected.groups.get(&(place, 0))?;

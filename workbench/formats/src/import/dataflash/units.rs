@@ -1,4 +1,4 @@
-//! Units and multipliers, as FMTU, UNIT and MULT messages give them.
+//! Units and multipliers, as given by FMTU, UNIT and MULT messages.
 //!
 //! Source: ArduPilot, `libraries/AP_Logger/LogStructure.h`, `log_Units` and `log_Multipliers`.
 
@@ -27,7 +27,7 @@ pub enum Quantity {
     Plain,
 }
 
-/// Units by their identifiers: label, quantity, and what one of them is in the flight's unit.
+/// Units by their identifiers: label, quantity, and factor to the flight's unit.
 const UNITS: [(char, &str, Quantity, f64); 15] = [
     ('m', "m", Quantity::Length, 1.0),
     ('n', "m/s", Quantity::Speed, 1.0),
@@ -66,45 +66,45 @@ const MULTIPLIERS: [(char, f64); 16] = [
     ('\0', 1.0),
 ];
 
-/// What a log says about its units.
+/// A log's definitions of its units.
 #[derive(Clone, Debug, Default)]
 pub struct Units {
     /// Unit and multiplier identifiers of a type's fields.
     of_type: BTreeMap<u8, (Vec<char>, Vec<char>)>,
-    /// Labels that the log gives to identifiers.
+    /// Labels that the log assigns to identifiers.
     labels: BTreeMap<char, String>,
-    /// Multipliers that the log gives to identifiers.
+    /// Multipliers that the log assigns to identifiers.
     multipliers: BTreeMap<char, f64>,
 }
 
-/// How a field's number becomes the flight's.
+/// How to convert a field's number to the flight's unit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scale {
-    /// By this factor.
+    /// Multiply by this factor.
     By(f64),
-    /// The log gives no unit, or one that is not known.
+    /// The log gives no unit, or an unknown one.
     Unsaid,
     /// The log gives a unit of another quantity.
     Other(String),
 }
 
 impl Units {
-    /// Takes a FMTU message's.
+    /// Adds the content of a FMTU message.
     pub fn of_type(&mut self, kind: u8, units: &str, multipliers: &str) {
         self.of_type.insert(kind, (units.chars().collect(), multipliers.chars().collect()));
     }
 
-    /// Takes a UNIT message's.
+    /// Adds the content of a UNIT message.
     pub fn label(&mut self, id: char, label: String) {
         self.labels.insert(id, label);
     }
 
-    /// Takes a MULT message's. The log keeps them with seven digits.
+    /// Adds the content of a MULT message. The log stores multipliers with seven digits.
     pub fn multiplier(&mut self, id: char, multiplier: f64) {
         self.multipliers.insert(id, multiplier);
     }
 
-    /// The field that is a type's instance, if the log says so.
+    /// The field with a type's instance, if the log names one.
     pub fn instance_field(&self, kind: u8) -> Option<usize> {
         self.of_type.get(&kind)?.0.iter().position(|id| *id == '#')
     }
@@ -114,7 +114,7 @@ impl Units {
         self.of_type.get(&kind).is_some_and(|(units, _)| units.get(index) == Some(&'%'))
     }
 
-    /// How a field's number becomes a quantity of a flight; `is_scaled`: its letter has a scale of its own.
+    /// How to convert a field to a quantity of a flight; `is_scaled`: its letter has a scale of its own.
     pub fn scale(&self, kind: u8, index: usize, is_scaled: bool, quantity: Quantity) -> Scale {
         let Some((units, multipliers)) = self.of_type.get(&kind) else { return Scale::Unsaid };
         let Some(id) = units.get(index).filter(|id| !matches!(id, '-' | '?' | '#' | '\0')) else {
@@ -134,8 +134,8 @@ impl Units {
         Scale::By(factor * multiplier)
     }
 
-    /// A multiplier's value: the one that ArduPilot has under that identifier, else the log's. A single
-    /// flipped bit in the log's own would scale a whole flight.
+    /// A multiplier's value: ArduPilot's for that identifier, else the log's. A single flipped bit in the
+    /// log's value would scale a whole flight.
     fn value(&self, id: char) -> f64 {
         let known = MULTIPLIERS.iter().find_map(|(known, value)| (*known == id).then_some(*value));
         let given = self.multipliers.get(&id).copied().filter(|value| value.is_finite() && *value > 0.0);
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn a_unit_and_its_multiplier_scale_a_field() {
         let mut units = Units::default();
-        // Time, then centimetres a second in a whole number, degrees in a scaled letter, hectopascals.
+        // Time, then centimetres a second as an integer, degrees in a scaled letter, hectopascals.
         units.of_type(7, "sndP#", "FBB2-");
         assert_eq!(units.scale(7, 1, false, Quantity::Speed), Scale::By(0.01));
         assert_eq!(units.scale(7, 2, true, Quantity::Angle), Scale::By(1_f64.to_radians()));

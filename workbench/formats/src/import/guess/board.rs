@@ -1,4 +1,4 @@
-//! What is known so far of a table whose columns are being guessed.
+//! What is known so far about a table whose columns are being guessed.
 
 use super::names::{Hint, Role};
 use crate::import::mapping::LoggedTable;
@@ -9,19 +9,19 @@ use crate::import::mapping::quantity::Quantity;
 pub struct Guess {
     /// The signal.
     pub destination: String,
-    /// The column's place, from 0.
+    /// Index of the column, from 0.
     pub column: usize,
     /// The column's unit.
     pub unit: Option<&'static str>,
-    /// Times this, before the unit.
+    /// Factor applied before the unit.
     pub scale: Option<f64>,
-    /// Plus this, before the unit.
+    /// Offset added before the unit.
     pub offset: Option<f64>,
     /// Whether each sample is repeated until the next one.
     pub held: bool,
     /// Whether it is more than a suspicion.
     pub is_sure: bool,
-    /// Why, in words.
+    /// The reason, as text.
     pub evidence: String,
 }
 
@@ -30,34 +30,34 @@ pub struct Guess {
 pub struct TimeGuess {
     /// The column; none where rows are only counted.
     pub column: usize,
-    /// Its unit, where it has numbers.
+    /// Its unit, if it holds numbers.
     pub unit: Option<&'static str>,
     /// Whether it is more than a suspicion.
     pub is_sure: bool,
-    /// Why, in words.
+    /// The reason, as text.
     pub evidence: String,
 }
 
-/// What is known so far.
+/// What is known so far about the table.
 pub struct Board<'a> {
     /// The table.
     pub table: &'a LoggedTable,
-    /// What the names say.
+    /// The meaning of the names.
     pub hints: Vec<Hint>,
-    /// The time of each row, seconds; not to be had before the time base is.
+    /// Time of each row, seconds; not available before the time base is.
     pub time_s: Vec<f64>,
     /// The time base.
     pub time: Option<TimeGuess>,
     /// The guesses.
     pub guesses: Vec<Guess>,
-    /// What is to be said of columns that were understood and are not used.
+    /// Columns that were understood but are not used, with the reason.
     pub set_aside: Vec<(usize, String)>,
-    /// What the altitudes are measured from, where it is not mean sea level.
+    /// Whether the altitudes are measured from the ellipsoid instead of mean sea level.
     pub is_above_ellipsoid: bool,
 }
 
 impl<'a> Board<'a> {
-    /// Of a table of which nothing is known but its names.
+    /// For a table of which only the names are known.
     pub fn new(table: &'a LoggedTable) -> Self {
         let hints = table.names.iter().zip(&table.units).map(|(name, unit)| Hint::new(name, unit)).collect();
         Self {
@@ -76,29 +76,29 @@ impl<'a> Board<'a> {
         format!("'{}'", self.table.name(column))
     }
 
-    /// What a column's name says.
+    /// The meaning of a column's name.
     pub fn hint(&self, column: usize) -> Hint {
         self.hints.get(column).cloned().unwrap_or_default()
     }
 
-    /// What a column may be by its name.
+    /// A column's possible role by its name.
     pub fn role(&self, column: usize) -> Option<Role> {
         self.hints.get(column).and_then(|hint| hint.role)
     }
 
-    /// Columns of numbers that have no place yet.
+    /// Columns of numbers that are not yet assigned.
     pub fn free(&self) -> Vec<usize> {
         (0..self.table.columns.len())
             .filter(|column| self.is_free(*column) && self.is_numeric(*column))
             .collect()
     }
 
-    /// Those of them whose name says that role.
+    /// Those whose name indicates that role.
     pub fn named(&self, role: Role) -> Vec<usize> {
         self.free().into_iter().filter(|column| self.role(*column) == Some(role)).collect()
     }
 
-    /// Whether a column has no place yet.
+    /// Whether a column is not yet assigned.
     pub fn is_free(&self, column: usize) -> bool {
         self.time.as_ref().is_none_or(|time| time.column != column)
             && !self.guesses.iter().any(|guess| guess.column == column)
@@ -115,7 +115,7 @@ impl<'a> Board<'a> {
         self.table.values(column).iter().copied().filter(|value| value.is_finite()).collect()
     }
 
-    /// A column's numbers with their times, seconds, forward in time.
+    /// A column's numbers with their times, seconds, in forward time order.
     pub fn samples(&self, column: usize) -> Vec<(f64, f64)> {
         let mut latest_s = f64::NEG_INFINITY;
         let timed = self.time_s.iter().copied().zip(self.table.values(column).iter().copied());
@@ -130,14 +130,14 @@ impl<'a> Board<'a> {
             .collect()
     }
 
-    /// As [`Self::samples`], without what only repeats the sample before.
+    /// As [`Self::samples`], without values that only repeat the sample before.
     pub fn fresh(&self, column: usize) -> Vec<(f64, f64)> {
         let mut samples = self.samples(column);
         samples.dedup_by(|later, earlier| later.1 == earlier.1);
         samples
     }
 
-    /// Whether a column always has the same value, or none.
+    /// Whether all values of a column are the same, or there are none.
     pub fn is_constant(&self, column: usize) -> bool {
         let mut values = self.table.values(column).iter().filter(|value| value.is_finite());
         let first = values.next();
@@ -149,7 +149,7 @@ impl<'a> Board<'a> {
         self.guesses.iter().find(|guess| guess.destination == destination)
     }
 
-    /// The samples that a guess makes, in the signal's own unit; none without the guess.
+    /// The samples of a signal's guess, in the signal's own unit; empty without a guess.
     pub fn converted(&self, destination: &str) -> Vec<(f64, f64)> {
         let Some(guess) = self.guess(destination) else { return Vec::new() };
         let unit = Quantity::of(destination).zip(guess.unit).and_then(|(quantity, unit)| quantity.unit(unit));
@@ -160,7 +160,7 @@ impl<'a> Board<'a> {
         samples
     }
 
-    /// Writes a guess down, unless its column or its signal has one that is as good.
+    /// Adds a guess, unless its column or its signal already has one that is as good.
     pub fn add(&mut self, guess: Guess) {
         let taken = self.guesses.iter().any(|other| {
             other.column == guess.column
@@ -171,7 +171,7 @@ impl<'a> Board<'a> {
         }
     }
 
-    /// Writes a guess down without scale and offset.
+    /// Adds a guess without scale and offset.
     pub fn add_plain(
         &mut self,
         destination: &str,
@@ -193,7 +193,7 @@ impl<'a> Board<'a> {
         });
     }
 
-    /// Says of a column why it is not used.
+    /// Records why a column is not used.
     pub fn set_aside(&mut self, column: usize, why: impl Into<String>) {
         if self.is_free(column) {
             self.set_aside.push((column, why.into()));

@@ -1,4 +1,4 @@
-//! The draft of a mapping, in words.
+//! The draft of a mapping, as text.
 
 use super::board::{Board, Guess, TimeGuess};
 use crate::import::mapping::Layout;
@@ -12,16 +12,17 @@ pub struct Draft {
     layout: Option<Layout>,
     time: Option<TimeGuess>,
     guesses: Vec<Guess>,
-    /// Columns without a place, and why, and under which name they could be kept; none for what is no number.
+    /// Columns that are not assigned, with the reason and a name to keep each under; no name for one without
+    /// numbers.
     unplaced: Vec<(usize, String, Option<String>)>,
     is_above_ellipsoid: bool,
     rows: usize,
-    /// What of the log could not be read.
+    /// What could not be read in the log.
     notes: Vec<String>,
 }
 
 impl Draft {
-    /// Of what was found.
+    /// From the findings.
     pub(super) fn new(board: Board<'_>) -> Self {
         let table = board.table;
         let mut taken: Vec<String> = Vec::new();
@@ -73,7 +74,7 @@ impl Draft {
         self.time.as_ref()
     }
 
-    /// A column as a mapping names it: by its place where another has the same name.
+    /// A column as a mapping refers to it: by its index from 1 if another has the same name.
     fn column(&self, column: usize) -> String {
         let name = self.names.get(column).map_or("", String::as_str);
         let is_unique = self.names.iter().filter(|own| *own == name).count() == 1;
@@ -123,7 +124,7 @@ impl Draft {
         text += "\n[signals]\n";
         let mut said = "";
         for guess in &self.guesses {
-            // Three axes have one reason.
+            // All three axes have the same reason.
             if guess.evidence != said {
                 text += &comment(&doubt(guess.is_sure, &guess.evidence));
             }
@@ -149,7 +150,7 @@ impl Draft {
         format!("'{}'", self.names.get(column).map_or("", String::as_str).replace(char::is_control, " "))
     }
 
-    /// What was guessed, doubted and not placed, for people.
+    /// Summary of what was guessed, doubtful and not assigned, for the user.
     #[must_use]
     pub fn explanation(&self) -> String {
         let sure = self.guesses.iter().filter(|guess| guess.is_sure).count();
@@ -178,7 +179,7 @@ impl Draft {
         text + &self.missing()
     }
 
-    /// What a flight needs and no sure guess gives.
+    /// What a flight needs but no sure guess provides.
     fn missing(&self) -> String {
         let has = |name: &str| self.guesses.iter().any(|guess| guess.is_sure && guess.destination == name);
         let mut needs = Vec::new();
@@ -196,7 +197,7 @@ impl Draft {
     }
 }
 
-/// How the text is laid out.
+/// The mapping's section on the layout of the text.
 fn file_section(layout: Layout) -> String {
     format!(
         "[file]\nseparator = \"{}\"\ndecimal = \"{}\"\nnames_line = {}\nfirst_line = {}\n\n",
@@ -211,7 +212,7 @@ fn doubt(is_sure: bool, evidence: &str) -> String {
     if is_sure { evidence.to_owned() } else { format!("DOUBTFUL: {evidence}") }
 }
 
-/// Lines of a comment, none of them too long.
+/// Comment lines of limited length.
 fn comment(text: &str) -> String {
     const WIDTH: usize = 110;
     let (mut lines, mut line) = (String::new(), "#".to_owned());
@@ -226,7 +227,7 @@ fn comment(text: &str) -> String {
     lines + &line + "\n"
 }
 
-/// A name for a signal of one's own, which no other has and which is no known column's.
+/// A name for a separate signal, which no other has and which is not a known column's.
 fn own_name(name: &str, taken: &mut Vec<String>) -> String {
     let plain: String = name
         .chars()

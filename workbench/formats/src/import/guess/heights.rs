@@ -1,4 +1,4 @@
-//! Which columns are pressures and altitudes.
+//! Guesses which columns are pressures and altitudes.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
@@ -9,14 +9,14 @@ use super::units::{meant, name_agrees};
 use crate::import::mapping::middle;
 use crate::import::mapping::quantity::Quantity;
 
-/// Pressures between which aircraft fly, Pa: 13 km high to the Dead Sea.
+/// Pressures at which aircraft fly, Pa: from 13 km altitude to the Dead Sea.
 const PRESSURE_PA: std::ops::RangeInclusive<f64> = 16_000.0..=108_000.0;
-/// The weather moves the standard atmosphere's altitude by less, metres: 70 hPa at the ground.
+/// Largest effect of the weather on the standard atmosphere's altitude, metres: 70 hPa at the ground.
 const WEATHER_M: f64 = 600.0;
-/// An altitude that is this near to a line through the pressure's is made of it, metres (1 sigma): rounded to
-/// the metre.
+/// An altitude within this of a line through the pressure's altitude is computed from the pressure, metres (1
+/// sigma): rounded to the metre.
 const MADE_OF_M: f64 = 0.4;
-/// Samples of two sensors that are this far from each other are of one moment, seconds.
+/// Samples of two sensors within this count as simultaneous, seconds.
 const HOLD_S: f64 = 1.5;
 
 /// Finds the barometer and every altitude.
@@ -48,7 +48,7 @@ pub fn find(board: &mut Board<'_>) {
     }
 }
 
-/// Pressure altitudes of a column if its unit were so many pascals.
+/// Pressure altitudes of a column, if its unit were `factor` pascals.
 fn pressure_altitudes(board: &Board<'_>, column: usize, factor: f64) -> Vec<(f64, f64)> {
     let in_metres = |(time_s, value): (f64, f64)| {
         Some((time_s, f64::from(pressure_altitude_m((value * factor) as f32)?)))
@@ -66,7 +66,7 @@ fn pressure(board: &mut Board<'_>, column: usize) {
     if let Some(unit) = units.iter().find(|unit| Some(unit.name) == named) {
         units = vec![unit];
     }
-    // Where the size leaves several, the one whose altitude is that of the other columns.
+    // Where the magnitude allows several units, use the one whose altitude agrees with the other columns.
     let near: Vec<_> =
         units.iter().copied().filter(|unit| lies_at_an_altitude(board, column, unit.factor)).collect();
     let is_told_apart = units.len() > 1 && near.len() == 1;
@@ -118,7 +118,7 @@ fn altitudes(board: &Board<'_>) -> Vec<usize> {
     all.filter(|column| board.role(*column).is_some_and(is_altitude) && !board.is_constant(*column)).collect()
 }
 
-/// Whether another column, in any unit of length, says about the altitude of that pressure.
+/// Whether another column, in a unit of length, is close to the altitude of that pressure.
 fn lies_at_an_altitude(board: &Board<'_>, column: usize, factor: f64) -> bool {
     let Some(height_m) = middle(pressure_altitudes(board, column, factor).into_iter().map(|sample| sample.1))
     else {
@@ -139,7 +139,7 @@ fn line(heights: &[(f64, f64)], altitudes: &[(f64, f64)]) -> Option<Line> {
     Line::through(&held(heights, altitudes, HOLD_S)).filter(Line::is_sound)
 }
 
-/// An altitude that follows a pressure, and the line.
+/// An altitude that follows a pressure, and the line through them.
 fn followed_altitude(board: &Board<'_>, column: usize, factor: f64) -> Option<(usize, Line)> {
     let heights = pressure_altitudes(board, column, factor);
     let follows =
@@ -148,7 +148,8 @@ fn followed_altitude(board: &Board<'_>, column: usize, factor: f64) -> Option<(u
     found.max_by(|one, other| one.1.correlation.total_cmp(&other.1.correlation))
 }
 
-/// A column without a name for it that behaves as a pressure: of the right size, and an altitude follows it.
+/// A column whose name is not a pressure's but which behaves as one: of the right magnitude, and an altitude
+/// follows it.
 fn unnamed_pressure(board: &mut Board<'_>) {
     for column in board.free() {
         let usual = middle(board.numbers(column)).unwrap_or(f64::NAN);
@@ -166,7 +167,7 @@ fn unnamed_pressure(board: &mut Board<'_>) {
                 .filter_map(|other| {
                     let line = line(&heights, &board.fresh(other)).filter(|line| line.correlation > 0.98)?;
                     let length = meant(Quantity::Length, 1.0 / line.slope, &board.hint(other))?;
-                    // The line goes through the origin but for the weather.
+                    // Apart from the weather, the line goes through the origin.
                     (line.slope > 0.0 && (line.offset * length.factor).abs() < WEATHER_M)
                         .then_some((other, line))
                 })
@@ -187,13 +188,13 @@ fn unnamed_pressure(board: &mut Board<'_>) {
     }
 }
 
-/// Altitudes of the barometer that was found; none without one.
+/// Altitudes of the barometer that was found; empty without one.
 fn barometer_heights(board: &Board<'_>) -> Vec<(f64, f64)> {
     let samples = board.converted("baro_pa").into_iter();
     samples.filter_map(|(time_s, pa)| Some((time_s, f64::from(pressure_altitude_m(pa as f32)?)))).collect()
 }
 
-/// The line of a column over the barometer's altitude.
+/// The line of a column against the barometer's altitude.
 fn follows_pressure(board: &Board<'_>, column: usize) -> Option<Line> {
     let heights = barometer_heights(board);
     line(&heights, &board.fresh(column)).filter(|line| line.slope > 0.0 && line.correlation > 0.95)
@@ -293,7 +294,7 @@ fn altitude(board: &mut Board<'_>, column: usize, destination: &str) {
     );
 }
 
-/// Metres or feet, by which of them is at the barometer's altitude.
+/// Metres or feet, whichever agrees with the barometer's altitude.
 fn by_level(usual: f64, heights: &[(f64, f64)]) -> Option<&'static str> {
     let level_m = middle(heights.iter().map(|sample| sample.1))?;
     let fits = |factor: f64| (usual * factor - level_m).abs() < WEATHER_M;

@@ -1,4 +1,4 @@
-//! Which columns are accelerations, rates and attitude.
+//! Guesses which columns are accelerations, rates and attitude.
 
 use super::board::{Board, Guess};
 use super::names::Role;
@@ -7,9 +7,9 @@ use super::units::meant;
 use crate::import::mapping::quantity::{GRAVITY, Quantity};
 use crate::import::signs::windows;
 
-/// No gyro of an aircraft goes beyond this, rad/s: 2000 degrees a second.
+/// Largest rate of an aircraft's gyro, rad/s: 2000 degrees a second.
 const FASTEST_RADPS: f64 = 35.0;
-/// At rest, and at the middle of a flight, specific force is this near to one g.
+/// Largest relative deviation of specific force from one g, at rest and at the median of a flight.
 const NEAR_G: f64 = 0.08;
 const ACCELERATIONS: [&str; 3] = ["accel_x_mps2", "accel_y_mps2", "accel_z_mps2"];
 const RATES: [&str; 3] = ["gyro_x_radps", "gyro_y_radps", "gyro_z_radps"];
@@ -23,7 +23,7 @@ pub fn find(board: &mut Board<'_>) {
     rates(board, axes);
 }
 
-/// The first three columns of a role, by their axes, that have the same words otherwise.
+/// The first three columns of a role, one for each axis, that have the same words otherwise.
 fn triple(board: &Board<'_>, role: Role) -> Option<[usize; 3]> {
     let named = board.named(role);
     let of_axis = |words: &[String], axis: usize, is_alone: bool| {
@@ -33,7 +33,7 @@ fn triple(board: &Board<'_>, role: Role) -> Option<[usize; 3]> {
         });
         found.next()
     };
-    // "gyro_x" and "gyro_y" have the same words, "ax" and "ay" as many.
+    // "gyro_x" and "gyro_y" have the same words, "ax" and "ay" the same number of words.
     [false, true].into_iter().find_map(|is_alone| {
         named.iter().find_map(|first| {
             let words = board.hint(*first).words;
@@ -46,7 +46,7 @@ fn triple(board: &Board<'_>, role: Role) -> Option<[usize; 3]> {
     })
 }
 
-/// Rows in which all three have a number.
+/// Rows in which all three columns have a number.
 fn vectors(board: &Board<'_>, columns: [usize; 3]) -> Vec<[f64; 3]> {
     let [x, y, z] = columns.map(|column| board.table.values(column));
     let rows = x.iter().zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z]);
@@ -57,18 +57,18 @@ fn norm([x, y, z]: [f64; 3]) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
-/// How an inertial unit is mounted, by what its accelerometer shows.
+/// Mounting of an inertial unit, as shown by its accelerometer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Axes {
-    /// z looks down, as Pylon's, or nothing says otherwise.
+    /// z points down, as in Pylon, or there is no evidence against it.
     Down,
-    /// z looks up.
+    /// z points up.
     Up,
-    /// Another axis looks up or down.
+    /// Another axis points up or down.
     Other,
 }
 
-/// Guesses the accelerometer, and says how it is mounted.
+/// Guesses the accelerometer and returns how it is mounted.
 fn accelerations(board: &mut Board<'_>) -> Axes {
     let Some(columns) = triple(board, Role::Accelerometer) else { return Axes::Down };
     let vectors = vectors(board, columns);
@@ -80,7 +80,7 @@ fn accelerations(board: &mut Board<'_>) -> Axes {
     let named = hint.unit_of(Quantity::Acceleration);
     let near = |unit: f64| (usual * unit / GRAVITY - 1.0).abs() < NEAR_G;
     let unit = Quantity::Acceleration.units().find(|unit| near(unit.factor));
-    // Raw counts: a power of two for each g.
+    // Raw counts: a power of two for one g.
     let counts = usual.log2().round().exp2();
     let is_counts =
         unit.is_none() && (256.0..=32_768.0).contains(&counts) && (usual / counts - 1.0).abs() < NEAR_G;
@@ -174,7 +174,7 @@ fn attitude(board: &mut Board<'_>) {
         .into_iter()
         .filter_map(|(role, destination)| Some((*board.named(role).first()?, destination)))
         .collect();
-    // All three are in the same unit: the largest of them says it.
+    // All three have the same unit, which the largest of them shows.
     let largest = columns
         .iter()
         .flat_map(|(column, _)| board.numbers(*column))
@@ -221,7 +221,7 @@ fn rates(board: &mut Board<'_>, axes: Axes) {
         .iter()
         .flat_map(|column| board.numbers(*column))
         .fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    // The attitude's change over the rate's integral, by the axis; yaw is left out, which goes round.
+    // The attitude's change against the rate's integral, for each axis; yaw is left out because it wraps.
     let lines: Vec<(usize, Line)> = columns
         .into_iter()
         .zip(["roll_rad", "pitch_rad"])
@@ -263,7 +263,7 @@ fn rates(board: &mut Board<'_>, axes: Axes) {
             ("rad/s", false, format!("{names}: values reach {largest:.2}: rad/s, or deg/s of a calm flight"))
         }
     };
-    // What the attitude says of the axes goes before what the accelerometer's z says.
+    // The axes shown by the attitude have priority over those shown by the accelerometer's z.
     let mut signs = if axes == Axes::Up { [1.0, -1.0, -1.0] } else { [1.0; 3] };
     for (axis, line) in &lines {
         if let Some(sign) = signs.get_mut(*axis) {
@@ -271,7 +271,7 @@ fn rates(board: &mut Board<'_>, axes: Axes) {
         }
     }
     if let [(0, roll), (1, pitch)] = lines.as_slice() {
-        // z is what x and y leave.
+        // The sign of z follows from those of x and y.
         signs[2] = 1.0_f64.copysign(roll.slope * pitch.slope);
         evidence += "; roll and pitch say the signs of x and y, and those z's";
     } else if axes != Axes::Down {

@@ -1,9 +1,9 @@
-//! Drafts the mapping of a table whose columns nobody has said the meaning of.
+//! Drafts the mapping of a table whose columns have no known meaning.
 //!
-//! A guess comes from a column's name, from its values and from physics: what is the derivative of what, what
-//! follows the standard atmosphere, what is one g long. Each says its reason. A guess that rests on one name
-//! alone, or that its values contradict, is doubtful and commented out in the draft. Nothing is applied here:
-//! a mapping file is what comes out.
+//! A guess is based on a column's name, its values and physics: which column is the derivative of which, what
+//! follows the standard atmosphere, which vector is one g long. Each guess gives its reason. A guess that
+//! rests on one name alone, or that its values contradict, is doubtful and commented out in the draft.
+//! Nothing is applied here: the result is a mapping file.
 
 mod board;
 mod draft;
@@ -25,15 +25,15 @@ use super::mapping::{self, Fault, LoggedTable, TableError, changes};
 pub use board::{Guess, TimeGuess};
 pub use draft::Draft;
 
-/// Rows that a sample is repeated over on the average, from which on a column is held.
+/// Mean number of rows over which a sample is repeated, from which on a column counts as held.
 const HELD_ROWS: f64 = 1.8;
 
 /// Drafts a mapping of a log from its bytes.
 ///
 /// # Errors
-/// [`Fault`] for what is no table of numbers.
+/// [`Fault`] for a log that is not a table of numbers.
 pub fn guess_log(log: &[u8]) -> Result<Draft, Fault> {
-    // A flight's own header lines are remarks to a table.
+    // To a table, a flight's own header lines are remarks.
     let no_table = || {
         let known = super::IMPORTERS.iter().find(|importer| importer.recognises(log));
         Fault::from(
@@ -64,7 +64,7 @@ pub fn guess(table: &LoggedTable) -> Draft {
     Draft::new(board)
 }
 
-/// Says of which guesses the columns repeat a sample until the next one.
+/// Marks the guesses whose columns repeat a sample until the next one.
 fn find_held(board: &mut Board<'_>) {
     let table = board.table;
     let is_of_fix = |name: &str| name.starts_with("gps_") || matches!(name, "latitude_deg" | "longitude_deg");
@@ -101,8 +101,8 @@ fn find_held(board: &mut Board<'_>) {
     }
 }
 
-/// Over how many rows each value is repeated, if it is over about the same number each time: a value that was
-/// rounded stays the same for now a short, now a long time.
+/// The number of rows over which each value is repeated, if it is about the same each time: a rounded value
+/// stays the same for a varying time.
 fn repeats_evenly(values: &[f64]) -> Option<f64> {
     let known: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     let places: Vec<usize> =

@@ -1,8 +1,8 @@
-//! What the name of a column says.
+//! The meaning of a column's name.
 
 use crate::import::mapping::quantity::{Quantity, UNITS};
 
-/// What a column may be by its name.
+/// The role that a column may have by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     Time,
@@ -39,21 +39,21 @@ pub enum Role {
     Launch,
 }
 
-/// What a name says.
+/// The information in a name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Hint {
     /// Its words, in lower case, without the unit.
     pub words: Vec<String>,
-    /// The unit that it ends with or has in brackets.
+    /// The unit at its end or in brackets.
     pub unit: Option<String>,
     /// 0 to 2 for x to z.
     pub axis: Option<usize>,
-    /// What it may be.
+    /// Its possible role.
     pub role: Option<Role>,
 }
 
 impl Hint {
-    /// Of a column's name and of the unit that stands under it.
+    /// From a column's name and the unit in the line below it.
     pub fn new(name: &str, unit_below: &str) -> Self {
         let (plain, bracketed) = without_brackets(name);
         let mut words = words(&plain);
@@ -71,7 +71,7 @@ impl Hint {
         let mut unit = Some(below)
             .filter(|text| known_unit(text))
             .or_else(|| bracketed.into_iter().find(|text| known_unit(text)));
-        // The axis may stand before the unit or after it.
+        // The axis may come before or after the unit.
         axis = axis.or_else(|| take_axis(&mut words));
         for count in (1..=2).rev() {
             if unit.is_some() || words.len() <= count {
@@ -90,17 +90,17 @@ impl Hint {
         hint
     }
 
-    /// Whether one of its words is one of these.
+    /// Whether it contains one of these words.
     pub fn has(&self, words: &[&str]) -> bool {
         self.words.iter().any(|word| words.contains(&word.as_str()))
     }
 
-    /// Whether the receiver is named.
+    /// Whether it names the receiver.
     pub fn is_gps(&self) -> bool {
         self.has(&["gps", "gnss", "gps1", "gps2", "ublox", "ubx", "fix"])
     }
 
-    /// The unit in its canonical spelling, if it is one of that quantity.
+    /// The unit in its canonical spelling, if it is a unit of that quantity.
     pub fn unit_of(&self, quantity: Quantity) -> Option<&'static str> {
         self.unit.as_deref().and_then(|unit| quantity.unit(unit)).map(|unit| unit.name)
     }
@@ -174,7 +174,7 @@ impl Hint {
         if has(&["pressure", "press", "pstat"]) || (is_pressure_unit && (is_baro || has(&["p"]))) {
             return Some(R::Pressure);
         }
-        // `baro_ft`: what a barometer says in a unit of length is an altitude.
+        // `baro_ft`: a barometer's value in a unit of length is an altitude.
         if is_baro && !is_speed && self.unit_of(Quantity::Length).is_some() {
             return Some(R::BaroAltitude);
         }
@@ -276,7 +276,7 @@ impl Hint {
     }
 }
 
-/// A name without what is in brackets, and what is in them.
+/// A name without the text in brackets, and that text.
 fn without_brackets(name: &str) -> (String, Vec<String>) {
     let (mut plain, mut inside, mut found) = (String::new(), String::new(), Vec::new());
     let mut depth = 0_u32;
@@ -294,7 +294,7 @@ fn without_brackets(name: &str) -> (String, Vec<String>) {
     (plain, found)
 }
 
-/// Words of a name: parted by anything but letters and digits, and where a capital begins one.
+/// Words of a name: separated by anything but letters and digits, and before a capital that begins a word.
 fn words(name: &str) -> Vec<String> {
     let letters: Vec<char> = name.chars().collect();
     let mut words = vec![String::new()];
@@ -322,7 +322,7 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Takes an axis from the end of a name, if something is left.
+/// Takes an axis from the end of a name, if other words are left.
 fn take_axis(words: &mut Vec<String>) -> Option<usize> {
     let axis = match words.last()?.as_str() {
         "x" => 0,

@@ -1,4 +1,4 @@
-//! The columns that stand for themselves: temperatures, airspeed, satellites, throttle, launch.
+//! Guesses the columns that are independent of others: temperatures, airspeed, satellites, throttle, launch.
 
 use super::board::{Board, Guess};
 use super::names::Role;
@@ -7,11 +7,10 @@ use super::relate::{Line, quantile};
 use crate::import::mapping::middle;
 use crate::import::mapping::quantity::Quantity;
 
-/// Wind, and climb, leave the ratio of airspeed to speed over ground within these bounds, over a whole
-/// flight.
+/// Bounds of the ratio of airspeed to speed over ground over a whole flight, with wind and climb.
 const RATIO: std::ops::RangeInclusive<f64> = 0.65..=1.5;
 
-/// Finds them.
+/// Finds these columns.
 pub fn find(board: &mut Board<'_>) {
     for (role, destination, is_place_sure) in [
         (Role::BaroTemperature, "baro_temp_c", true),
@@ -90,7 +89,8 @@ fn temperature(board: &mut Board<'_>, column: usize, destination: &str, is_place
         _ => None,
     };
     let unit = named.or(by_size).unwrap_or("C");
-    // 15 to 60 of a name without a unit may be Fahrenheit; beyond, only one of them is a flight's.
+    // Without a unit in the name, 15 to 60 may be Fahrenheit; beyond, only one of the units is plausible in
+    // flight.
     let is_unit_sure = named.is_some() || by_size.is_some_and(|unit| unit != "C" || usual < 45.0);
     let doubt = if is_place_sure { "" } else { "; whether it is the barometer's can't be told" };
     let what = format!("{}: its name; about {usual:.1}: {unit}{doubt}", board.quoted(column));

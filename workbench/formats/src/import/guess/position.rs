@@ -1,4 +1,4 @@
-//! Which columns are the receiver's position and velocity.
+//! Guesses which columns are the receiver's position and velocity.
 
 use super::board::{Board, Guess};
 use super::names::Role;
@@ -8,7 +8,7 @@ use crate::import::mapping::quantity::Quantity;
 use crate::import::mapping::{changes, middle};
 use crate::import::signs::{DEGREE_M, windows};
 
-/// A flight stays within so many degrees.
+/// A flight stays within this, degrees.
 const FAR_DEG: f64 = 10.0;
 
 /// Finds latitude and longitude.
@@ -64,7 +64,7 @@ fn range(numbers: &[f64]) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
 
-/// Two columns beside each other that stay near one place, have many digits and are new in the same rows.
+/// Two adjacent columns that stay near one place, have many digits and change in the same rows.
 fn unnamed(board: &mut Board<'_>) {
     let is_place = |column: usize, most: f64| {
         let numbers = board.numbers(column);
@@ -100,7 +100,7 @@ fn unnamed(board: &mut Board<'_>) {
 }
 
 impl Board<'_> {
-    /// The rows in which the receiver's position is new.
+    /// The rows in which the receiver's position changes.
     fn fix_rows(&self) -> Option<Vec<bool>> {
         let mut rows: Option<Vec<bool>> = None;
         for destination in ["latitude_deg", "longitude_deg", "gps_vn_mps", "gps_ve_mps"] {
@@ -113,8 +113,8 @@ impl Board<'_> {
         rows
     }
 
-    /// Whether a column is new only in rows in which the receiver's position is; none if that says nothing,
-    /// as where it is new in every row.
+    /// Whether a column changes only in rows in which the receiver's position does; `None` if that proves
+    /// nothing, such as when the position changes in every row.
     pub fn moves_with_fix(&self, column: usize) -> Option<bool> {
         let fixes = self.fix_rows()?;
         let count = fixes.iter().filter(|is_fix| **is_fix).count();
@@ -128,7 +128,7 @@ impl Board<'_> {
     }
 }
 
-/// Finds the velocities over ground, by the position that they are the derivatives of.
+/// Finds the velocities over ground by the position, whose derivatives they are.
 pub fn find_horizontal(board: &mut Board<'_>) {
     let latitude_deg =
         middle(board.converted("latitude_deg").into_iter().map(|sample| sample.1)).unwrap_or(0.0);
@@ -142,8 +142,8 @@ pub fn find_horizontal(board: &mut Board<'_>) {
     confirm_unnamed_position(board);
 }
 
-/// Finds the receiver's vertical velocity, by the altitude that it is the derivative of: the receiver's, or
-/// any other's if that has none.
+/// Finds the receiver's vertical velocity by the altitude, whose derivative it is: the receiver's altitude,
+/// or any other if it has none.
 pub fn find_vertical(board: &mut Board<'_>) {
     let is_known = |name: &str| board.guess(name).is_some_and(|guess| guess.is_sure);
     if is_known("gps_vn_mps")
@@ -159,8 +159,8 @@ pub fn find_vertical(board: &mut Board<'_>) {
     find_velocity(board, &[Role::Down, Role::Climb], "gps_vd_mps", &down, "altitude");
 }
 
-/// Beside velocities over ground: the column whose change is another column's integral is the receiver's
-/// altitude.
+/// If velocities over ground are known: the column whose change is another column's integral is the
+/// receiver's altitude.
 fn unnamed_altitude(board: &mut Board<'_>) {
     let unnamed: Vec<usize> = board
         .free()
@@ -260,12 +260,12 @@ fn velocity(
         }
         None => return,
     };
-    // A climb rate may be the barometer's, which is no reference.
+    // A climb rate may be the barometer's, which is not a reference.
     let is_receivers = !is_climb
         || hint.is_gps()
         || hint.role == Some(Role::Down)
         || board.moves_with_fix(column) == Some(true);
-    // A line that is found among many columns without names must be a good one.
+    // A line found among many columns without names must fit well.
     let is_found = is_named
         || (by_slope.is_some_and(|(line, _)| line.correlation.abs() > 0.95)
             && board.guess("latitude_deg").is_some());
@@ -287,7 +287,7 @@ fn velocity(
     });
 }
 
-/// A position that was guessed by its values alone is one if velocities agree with it.
+/// Confirms a position that was guessed only by its values, if velocities agree with it.
 fn confirm_unnamed_position(board: &mut Board<'_>) {
     let is_found = |name: &str| board.guess(name).is_some_and(|guess| guess.is_sure);
     if !(is_found("gps_vn_mps") && is_found("gps_ve_mps")) {
@@ -301,7 +301,7 @@ fn confirm_unnamed_position(board: &mut Board<'_>) {
     }
 }
 
-/// Speed over ground, m/s, between the fixes; nothing without positions.
+/// Speed over ground between the fixes, m/s; `None` without positions.
 pub fn ground_speed(board: &Board<'_>) -> Option<f64> {
     let (north, east) = (board.converted("gps_vn_mps"), board.converted("gps_ve_mps"));
     let pairs = super::relate::held(&north, &east, 1.5);

@@ -1,24 +1,24 @@
-//! How two columns of a table hang together.
+//! How two columns of a table are related.
 
 /// A straight line through pairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Change of the second for one of the first. Both may be noisy: the ratio of their spreads, with the
-    /// correlation's sign.
+    /// Change of the second for one unit of the first. Both may be noisy: the ratio of their spreads, with
+    /// the sign of the correlation.
     pub slope: f64,
     /// The second where the first is zero.
     pub offset: f64,
-    /// How well it fits: 1 or -1 is without scatter.
+    /// Correlation of the pairs: 1 or -1 is a fit without scatter.
     pub correlation: f64,
-    /// Pairs.
+    /// Number of pairs.
     pub count: usize,
 }
 
-/// How many sigmas a correlation is beyond chance: 5 leave 3 in 10 million to it.
+/// Sigmas by which a correlation must exceed chance: the probability of 5 is 3 in 10 million.
 const SIGMAS: f64 = 5.0;
 
 impl Line {
-    /// Through these pairs; none without spread.
+    /// Through these pairs; `None` without spread.
     pub fn through(pairs: &[(f64, f64)]) -> Option<Self> {
         let n = pairs.len() as f64;
         let mean = |pick: fn(&(f64, f64)) -> f64| pairs.iter().map(pick).sum::<f64>() / n;
@@ -37,8 +37,7 @@ impl Line {
         Some(Self { slope, offset: mean_y - slope * mean_x, correlation, count: pairs.len() })
     }
 
-    /// Whether it is more than chance, and tight enough for its slope to be told from one that is twice as
-    /// steep.
+    /// Whether it exceeds chance and is tight enough to distinguish its slope from one twice as steep.
     pub fn is_sound(&self) -> bool {
         let sigmas =
             self.correlation.abs().min(0.999_999).atanh() * (self.count.saturating_sub(3) as f64).sqrt();
@@ -46,7 +45,7 @@ impl Line {
     }
 }
 
-/// Values at the times of others: the newest that is not older than `hold_s`. Both in order of time.
+/// Values at the times of others: the newest value not older than `hold_s`. Both are in time order.
 pub fn held(samples: &[(f64, f64)], at: &[(f64, f64)], hold_s: f64) -> Vec<(f64, f64)> {
     let mut next = 0;
     let mut pairs = Vec::new();
@@ -64,14 +63,14 @@ pub fn held(samples: &[(f64, f64)], at: &[(f64, f64)], hold_s: f64) -> Vec<(f64,
     pairs
 }
 
-/// Which of several factors a slope is, within a quarter.
+/// Which of several factors matches a slope, within a quarter.
 pub fn factor<T: Copy>(slope: f64, factors: impl IntoIterator<Item = (T, f64)>) -> Option<T> {
     let off = |factor: f64| (slope / factor).ln().abs();
     let near = factors.into_iter().filter(|(_, factor)| slope / factor > 0.0 && off(*factor) < 1.25_f64.ln());
     near.min_by(|one, other| off(one.1).total_cmp(&off(other.1))).map(|(which, _)| which)
 }
 
-/// A share of the sorted values is below this; none of none.
+/// The value below which this share of the sorted values lies; `None` without values.
 pub fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     let place = ((values.len().saturating_sub(1)) as f64 * share).round() as usize;

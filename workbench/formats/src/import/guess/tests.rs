@@ -8,10 +8,10 @@ fn quickstart() -> Flight {
     simulate(&Scenario::from_toml(text, "quickstart.toml").unwrap(), 7).unwrap().0
 }
 
-/// A signal's new name, its unit there, and what a value of Pylon's unit is in that one.
+/// A signal's new name, its unit there, and the value of Pylon's unit in that unit.
 type Renamed<'a> = (&'a str, &'a str, f64, f64);
 
-/// The flight as another program's table: names, factors and offsets by channel, others dropped.
+/// The flight as another program's table: names, factors and offsets by channel; other channels dropped.
 fn table(flight: &Flight, time: (&str, f64), columns: &[Renamed<'_>], separator: char) -> String {
     let names: Vec<String> =
         [time.0.to_owned()].into_iter().chain(columns.iter().map(|column| column.1.to_owned())).collect();
@@ -34,7 +34,7 @@ fn draft(text: &str) -> Draft {
     guess(&LoggedTable::read(text.as_bytes(), mapping::Layout::find(text.as_bytes()).unwrap()))
 }
 
-/// Reads a table by its own draft.
+/// Reads a table with its own draft.
 fn by_draft(text: &str) -> (Draft, Flight) {
     let draft = draft(text);
     let written = draft.text("log.csv", "mapping.toml");
@@ -43,7 +43,7 @@ fn by_draft(text: &str) -> (Draft, Flight) {
     (draft, flight)
 }
 
-/// Every sample of these channels is that of the flight, but for rounding.
+/// Every sample of these channels equals the flight's, except for rounding.
 fn assert_same(found: &Flight, flight: &Flight, names: &[&str]) {
     for name in names {
         let channel = Channel::from_name(name).unwrap();
@@ -121,7 +121,7 @@ fn without_a_name_nothing_is_placed_wrongly_and_what_physics_tells_is() {
         assert_eq!(guess.destination, of, "{text}");
     }
     assert!(draft.guesses().iter().any(|guess| guess.destination == "baro_pa" && guess.is_sure), "{text}");
-    // Which altitude is whose, no value says.
+    // The values do not show whose altitude it is.
     let altitude = draft.guesses().iter().find(|guess| guess.destination == "gps_alt_m").unwrap();
     assert!(!altitude.is_sure && altitude.evidence.contains("can't be told"), "{text}");
     assert!(text.contains("still needed: gps_alt_m"), "{text}");
@@ -159,7 +159,7 @@ fn every_draft_reads_as_a_mapping_whatever_the_names_are() {
         let draft = draft(&format!("{names}\n{rows}"));
         let text = draft.text("log.csv", "m.toml");
         Mapping::parse(&text).unwrap_or_else(|error| panic!("{names}: {error}\n{text}"));
-        // All that is commented out, taken in, reads too.
+        // The mapping also parses with all commented-out lines included.
         let all: String = text
             .lines()
             .map(|line| match line.strip_prefix("# ") {
@@ -184,7 +184,7 @@ fn held_fixes_are_seen_and_taken_once() {
         ],
         ',',
     );
-    // Each cell holds until the next, as many loggers write.
+    // Each cell holds until the next, as in the files of many loggers.
     let mut held = String::new();
     let mut latest: Vec<String> = Vec::new();
     for line in text.lines() {

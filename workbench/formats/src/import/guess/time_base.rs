@@ -1,4 +1,4 @@
-//! Which column is the time, and in which unit.
+//! Guesses which column is the time, and its unit.
 
 use super::board::{Board, TimeGuess};
 use super::names::Role;
@@ -6,19 +6,19 @@ use super::relate::quantile;
 use crate::import::mapping::quantity::Quantity;
 use crate::import::mapping::{EPOCH_S, middle, past_midnight};
 
-/// From one row to the next, seconds: no logger of flights writes faster or slower.
+/// Plausible step from one row to the next, seconds: no logger of flights writes faster or slower.
 const PACE_S: std::ops::RangeInclusive<f64> = 0.000_2..=20.0;
-/// A flight, seconds: a day and a bit at most.
+/// Plausible length of a flight, seconds: a little more than a day at most.
 const SPAN_S: std::ops::RangeInclusive<f64> = 5.0..=100_000.0;
-/// The fastest climbs and descents of a flight, m/s: neither a balloon in a calm nor a shell.
+/// Plausible fastest climb or descent of a flight, m/s: neither a balloon in calm air nor a shell.
 const CLIMB_MPS: std::ops::RangeInclusive<f64> = 0.03..=700.0;
-/// Units that clocks count in.
+/// Units of clocks.
 const UNITS: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
 
 /// A column that runs forward.
 struct Clock {
     column: usize,
-    /// Rows whose time is later than that of the row before.
+    /// Share of rows whose time is later than that of the row before.
     forward: f64,
     /// The usual step, in its own unit.
     step: f64,
@@ -32,8 +32,8 @@ struct Clock {
 pub fn find(board: &mut Board<'_>) {
     let mut clocks: Vec<Clock> =
         (0..board.table.columns.len()).filter_map(|column| clock(board, column)).collect();
-    // A name that says time, and is of no receiver, goes first; then what steps in every row; then what is
-    // finest.
+    // Priority has a name that means time but not a receiver's; then the column that steps in every row; then
+    // the one with the finest steps.
     let rank = |board: &Board<'_>, clock: &Clock| {
         let role = board.role(clock.column);
         let named = if role == Some(Role::Time) { 2 } else { i32::from(clock.is_written) };
@@ -58,7 +58,7 @@ pub fn find(board: &mut Board<'_>) {
     }
 }
 
-/// A column as a clock; none if it is no clock.
+/// A column as a clock; `None` if it is not one.
 fn clock(board: &Board<'_>, column: usize) -> Option<Clock> {
     let cells = board.table.columns.get(column)?;
     let is_written = cells.clocks + cells.dates > cells.numbers + cells.words;
@@ -78,7 +78,7 @@ fn clock(board: &Board<'_>, column: usize) -> Option<Clock> {
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let share =
         |is: fn(&f64) -> bool| steps.iter().filter(|step| is(step)).count() as f64 / steps.len() as f64;
-    // One that goes back now and then has jumped; one that often does is no clock.
+    // A clock that occasionally goes back has jumped; one that often does is not a clock.
     if share(|step| *step < 0.0) > 0.01 {
         return None;
     }
@@ -86,8 +86,8 @@ fn clock(board: &Board<'_>, column: usize) -> Option<Clock> {
     let span = quantile(values.iter().copied(), 0.99)? - quantile(values.iter().copied(), 0.01)?;
     let forward = share(|step| *step > 0.0);
     let is_counter = share(|step| *step == 1.0) > 0.999 && board.role(column) != Some(Role::Time);
-    // What climbs through the whole flight runs forward too, but by steps of every size, and mostly it also
-    // rests.
+    // A value that climbs through the whole flight also runs forward, but with steps of every size, and it
+    // usually also rests.
     let is_regular = steps.iter().filter(|own| (**own / step - 1.0).abs() < 0.5 || **own == 0.0).count() * 10
         > steps.len() * 7;
     let is_named = matches!(board.role(column), Some(Role::Time));
@@ -129,7 +129,7 @@ fn counted(board: &Board<'_>, clock: &Clock) -> TimeGuess {
     let described =
         |factor: f64| format!("{:.0} s in all, a row every {:.3} s", span * factor, step * factor);
     let guess = |unit, is_sure, evidence| TimeGuess { column, unit: Some(unit), is_sure, evidence };
-    // A date as a number says its unit by its size.
+    // The magnitude of a date as a number shows its unit.
     let center = middle(board.numbers(column)).unwrap_or(0.0);
     let since_1970 = UNITS.into_iter().find(|(_, factor)| EPOCH_S.contains(&(center * factor)));
     if let Some((unit, factor)) = since_1970.filter(|(_, factor)| fits(*factor)) {
@@ -179,8 +179,8 @@ fn counted(board: &Board<'_>, clock: &Clock) -> TimeGuess {
     }
 }
 
-/// Whether altitude or pressure change as fast as those of aircraft if time has that unit; none if there are
-/// none.
+/// Whether altitude or pressure changes as fast as an aircraft's if time has that unit; `None` without
+/// either.
 fn climbs_as_aircraft_do(board: &Board<'_>, time: usize, factor: f64) -> Option<bool> {
     let is_height = |role: Role| {
         matches!(
@@ -198,7 +198,7 @@ fn climbs_as_aircraft_do(board: &Board<'_>, time: usize, factor: f64) -> Option<
     })?;
     let values = board.table.values(column);
     let center = middle(values.iter().copied())?;
-    // A pascal is about a twelfth of a metre; any unit of pressure by its size at the ground.
+    // A pascal is about a twelfth of a metre; any unit of pressure is scaled by its value at the ground.
     let metres =
         if board.role(column) == Some(Role::Pressure) { 8_400.0 / center.abs().max(1e-9) } else { 1.0 };
     let timed: Vec<(f64, f64)> = board
@@ -209,14 +209,14 @@ fn climbs_as_aircraft_do(board: &Board<'_>, time: usize, factor: f64) -> Option<
         .filter(|(time, value)| time.is_finite() && value.is_finite())
         .map(|(time, value)| (time * factor, value * metres))
         .collect();
-    // Over a tenth of the flight noise is small beside a climb.
+    // Over a fiftieth of the flight, noise is small compared with a climb.
     let stride = (timed.len() / 50).max(1);
     let rates = timed.iter().zip(timed.iter().skip(stride)).filter(|(one, other)| other.0 > one.0);
     let fastest = quantile(rates.map(|(one, other)| ((other.1 - one.1) / (other.0 - one.0)).abs()), 0.9)?;
     Some(CLIMB_MPS.contains(&fastest))
 }
 
-/// The time of each row, seconds.
+/// Time of each row, seconds.
 fn seconds(board: &Board<'_>, guess: &TimeGuess) -> Vec<f64> {
     let Some(cells) = board.table.columns.get(guess.column) else { return Vec::new() };
     let factor = guess.unit.and_then(|unit| Quantity::Time.unit(unit)).map_or(1.0, |unit| unit.factor);
@@ -226,6 +226,6 @@ fn seconds(board: &Board<'_>, guess: &TimeGuess) -> Vec<f64> {
         cells.values.clone()
     };
     let first = values.iter().copied().find(|value| value.is_finite()).unwrap_or(0.0);
-    // From the first row on: dates in microseconds would cost digits.
+    // Counted from the first row: dates in microseconds would lose digits.
     values.into_iter().map(|value| (value - first) * factor).collect()
 }

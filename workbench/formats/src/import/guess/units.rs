@@ -1,28 +1,29 @@
-//! Which unit a measured factor means.
+//! Finds the unit that matches a measured factor.
 
 use super::names::Hint;
 use crate::import::mapping::quantity::Quantity;
 
-/// A slope within this of a unit's factor may mean it: half of what lies between metres a second and knots.
+/// A slope within this ratio of a unit's factor may mean it: half of the distance between metres a second and
+/// knots.
 const NEAR: f64 = 1.25;
-/// Of two units that are both near, the slope must be this close to one for it to be told from the other.
+/// If two units are both near, the slope must be this close to one of them to decide between them.
 const CLOSE: f64 = 1.03;
 
-/// A unit that a slope means.
+/// A unit that matches a slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meant {
     /// Its name in mapping files.
     pub unit: &'static str,
     /// Its factor.
     pub factor: f64,
-    /// Whether no other is meant.
+    /// Whether no other unit is possible.
     pub is_sure: bool,
-    /// Whether the column's name says the same; none if it says none.
+    /// Whether the column's name gives the same unit; `None` if it gives none.
     pub is_as_named: Option<bool>,
 }
 
-/// The unit of a column of which one is worth `slope` of Pylon's unit, whatever its sign; none that has such
-/// a factor.
+/// The unit of a column if its values are worth `slope` of Pylon's unit each, whatever the sign; `None`
+/// without a unit of such a factor.
 pub fn meant(quantity: Quantity, slope: f64, hint: &Hint) -> Option<Meant> {
     let off = |factor: f64| (slope.abs() / factor).ln().abs();
     let mut near: Vec<_> = quantity.units().filter(|unit| off(unit.factor) < NEAR.ln()).collect();
@@ -41,7 +42,7 @@ pub fn meant(quantity: Quantity, slope: f64, hint: &Hint) -> Option<Meant> {
     })
 }
 
-/// What a name's unit adds to the evidence.
+/// What the unit in the name adds to the evidence.
 pub fn name_agrees(meant: &Meant, hint: &Hint) -> String {
     match meant.is_as_named {
         Some(true) => ", as its name says".to_owned(),

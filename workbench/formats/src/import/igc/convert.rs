@@ -1,4 +1,4 @@
-//! From an IGC log's numbers to a flight's columns.
+//! Converts an IGC log's numbers to a flight's columns.
 
 use std::collections::VecDeque;
 use std::mem;
@@ -16,7 +16,7 @@ use flight_data::{AltitudeDatum, Channel, Column, Flight, Header, Note};
 /// A zero between pressure altitudes beyond this is a missing value, metres.
 const ZERO_IS_FAR_M: f32 = 100.0;
 
-/// Numbers with a unit that the specification fixes: code, name of the signal.
+/// Numbers whose unit the specification fixes: code, name of the signal.
 const SIGNALS: [(&str, &str); 7] = [
     ("ENL", "engine_noise"),
     ("FXA", "gps_horizontal_error_95_m"),
@@ -28,19 +28,19 @@ const SIGNALS: [(&str, &str); 7] = [
 ];
 
 struct Converter {
-    /// What is left of the log: each column is taken out when its turn has come, so that nothing is in memory
+    /// The rest of the log: each column is taken out when it is converted, so that nothing is in memory
     /// twice.
     log: Log,
     flight: Flight,
     notes: Vec<Note>,
-    /// Velocity over ground at each row, north and east, where a logged speed is to be compared with it.
+    /// Velocity over ground at each row, north and east, if a logged speed is to be compared with it.
     ground_mps: Option<(Column, Column)>,
 }
 
 /// Turns a log into a flight.
 pub fn convert(mut log: Log) -> Result<(Flight, Vec<Note>), ImportError> {
     let fixes = || log.fixes.iter().flatten();
-    // A recorder that has no GNSS altitude writes zeros.
+    // A recorder without a GNSS altitude writes zeros.
     let has_altitude = fixes().any(|fix| fix.is_3d && fix.gnss_m != 0.0);
     if !has_altitude {
         let (fixes, corrupt) = (fixes().count(), log.losses.corrupt_lines);
@@ -56,7 +56,7 @@ pub fn convert(mut log: Log) -> Result<(Flight, Vec<Note>), ImportError> {
     Ok((converter.flight, converter.notes))
 }
 
-/// A second of the day as a clock shows it.
+/// A second of the day as a time of day.
 fn time_of_day(second: u32) -> String {
     format!("{:02}:{:02}:{:02}", second / 3_600, second / 60 % 60, second % 60)
 }
@@ -97,7 +97,7 @@ impl Converter {
         self.notes.push(Note::new(text));
     }
 
-    /// A part of the fix, which is nothing without its altitude.
+    /// Adds a value of the fix, which is void without its altitude.
     fn put_of_fix(&mut self, channel: Channel, mut column: Column) {
         if let Some(altitude) = self.flight.channel(Channel::GpsAltM) {
             for row in (0..column.len()).filter(|row| altitude.get(*row).is_none()) {
@@ -181,8 +181,8 @@ impl Converter {
         notes.into_iter().for_each(|text| self.note(text));
     }
 
-    /// GNSS altitude, and a receiver time, so that a parked receiver's equal fixes are not taken for
-    /// one that is held.
+    /// Adds GNSS altitude, and a receiver time, so that a parked receiver's equal fixes are not mistaken for
+    /// a held one.
     fn reference(&mut self) {
         let altitudes: Vec<f32> = self.fixes_3d().flatten().map(|fix| fix.gnss_m).collect();
         let missing = false_zeros(&altitudes);
@@ -325,7 +325,7 @@ impl Converter {
         self.airspeed(airspeeds);
     }
 
-    /// A signal if its unit could be told, else its plain numbers.
+    /// Adds a signal if its unit could be inferred, else its plain numbers.
     fn signal_in_unit(
         &mut self,
         code: &str,
@@ -365,7 +365,7 @@ impl Converter {
         }
     }
 
-    /// Altitude for the atmosphere's sake, held over rows that have none.
+    /// Altitude for the atmosphere model, held over rows that have none.
     fn pressure_altitude_or_gnss(&self) -> impl Iterator<Item = Option<f64>> + '_ {
         let mut held = None;
         let baro = self.flight.channel(Channel::BaroAltM);
@@ -381,7 +381,7 @@ impl Converter {
         let heights = self.flight.time_s.iter().enumerate().filter_map(|(row, time_s)| {
             Some((*time_s, f64::from(baro?.get(row)?), raw.get(row).map(f64::from)))
         });
-        // Over two fixes to either side: a metre of resolution is then some 0.1 m/s at a fix a second.
+        // Over two fixes in both directions: a metre of resolution is then some 0.1 m/s at a fix a second.
         let mut window: VecDeque<(f64, f64, Option<f64>)> = VecDeque::with_capacity(5);
         let mut samples = Vec::new();
         for height in heights {
@@ -402,7 +402,7 @@ impl Converter {
         self.signal_in_unit(code, name, raw, inferred);
     }
 
-    /// Logged numbers with the velocity over ground, held for at most one row.
+    /// Logged numbers with the velocity over ground, which is held for at most one row.
     fn speed_samples(&self, raw: &Column, correct: impl Fn(f64, usize) -> f64) -> Vec<SpeedSample> {
         let Some((north, east)) = &self.ground_mps else { return Vec::new() };
         let mut before = None;
@@ -458,7 +458,7 @@ impl Converter {
         }
     }
 
-    /// True over indicated airspeed at each row.
+    /// Ratio of true to indicated airspeed at each row.
     fn airspeed_factors(&self) -> Vec<f64> {
         let temperature = self.flight.channel(Channel::OatC);
         let mut held_c = None;
@@ -483,7 +483,7 @@ fn cells(column: &Column) -> impl Iterator<Item = Option<f64>> + '_ {
     (0..column.len()).map(|row| column.get(row).map(f64::from))
 }
 
-/// A column's numbers as a function makes them of row and number.
+/// A column's numbers, converted by a function of row and number.
 fn converted(column: &Column, convert: impl Fn(usize, f64) -> f64) -> Column {
     let mut made = Column::with_capacity(column.len());
     for (row, cell) in cells(column).enumerate() {
@@ -492,7 +492,7 @@ fn converted(column: &Column, convert: impl Fn(usize, f64) -> f64) -> Column {
     made
 }
 
-/// Which values are zeros that stand for "none": runs of zeros with neighbours far from sea level.
+/// Which values are zeros that mean "none": runs of zeros with neighbours far from sea level.
 fn false_zeros(values: &[f32]) -> Vec<bool> {
     let mut missing = vec![false; values.len()];
     let mut start = 0;

@@ -22,17 +22,17 @@ pub struct Altitudes {
 /// What was left out, and why.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
-    /// B and K records that could not be read, and lines that are no record.
+    /// B and K records that could not be read, and lines that are not a record.
     pub corrupt_lines: usize,
-    /// The first of them, as a line of the file, from 1.
+    /// The first of them, as a line number of the file, from 1.
     pub first_corrupt_line: usize,
-    /// I and J records that were not as they say.
+    /// I and J records that contradict themselves.
     pub bad_extension_records: usize,
     /// Additional values that are blank, not a number or cut off.
     pub blank_values: usize,
     /// Records with a time before the first fix.
     pub before_first_fix: usize,
-    /// The first of them, as a line of the file, from 1.
+    /// The first of them, as a line number of the file, from 1.
     pub first_before_line: usize,
     /// B and K records.
     pub records: usize,
@@ -40,17 +40,17 @@ pub struct Losses {
     pub times: Judged,
 }
 
-/// A log as read: one cell a row in each column, because a row of its own on the heap takes several times its
-/// line. Rows are in file order; those of K records are at their time.
+/// A log as read: one cell a row in each column, because rows allocated separately take several times the
+/// size of their line. Rows are in file order; those of K records are at their time.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     /// Seconds since the first fix.
     pub time_s: Vec<f64>,
     /// The altitudes of the fix, unless the row only has data of a K record.
     pub fixes: Vec<Option<Altitudes>>,
-    /// Positions with every digit that the log has; not a number where there is no fix.
+    /// Positions with every digit of the log; NaN where there is no fix.
     pub positions: Vec<Position>,
-    /// Additional values by their three-letter code, the numbers as they stand. Whole numbers of up to seven
+    /// Additional values by their three-letter code, as unconverted numbers. Whole numbers of up to seven
     /// digits are exact.
     pub values: Vec<(String, Column)>,
     /// Values of H records by their code, and of the A record by `A`, in file order.
@@ -82,17 +82,17 @@ impl Clock {
             self.days += 1.0;
             absolute_s += DAY_S;
         } else if !is_fix && absolute_s > self.last_s + HALF_DAY_S && self.days > 0.0 {
-            // A data record that belongs before the midnight that has been passed.
+            // A data record from before the midnight that has been passed.
             absolute_s -= DAY_S;
         }
         self.last_s = absolute_s;
-        // Fractions of a second add up to no more digits than the log has.
+        // Rounded so that fractions of a second have no more digits than the log.
         Some(((absolute_s - first_s) * 1e6).round() / 1e6)
     }
 }
 
 impl Log {
-    /// Reads a log; what cannot be read is counted.
+    /// Reads a log, and counts what cannot be read.
     #[must_use]
     pub fn read(text: &[u8]) -> Self {
         let rows = lines(text).filter(|line| matches!(line.first(), Some(b'B' | b'K'))).count();
@@ -118,7 +118,7 @@ impl Log {
             }
             let good = match line.first() {
                 None => true,
-                // No recorder writes a zero: what was on the card there is lost.
+                // No recorder writes a zero byte: the data of the card are lost there.
                 Some(_) if memchr::memchr(0, line).is_some() => false,
                 Some(b'B') => log.take_fix(line, &fix_extensions, &mut clock, date),
                 Some(b'K') => log.take_data(line, &data_extensions, &mut clock),
@@ -164,7 +164,7 @@ impl Log {
         log
     }
 
-    /// The value of the first H record of that code.
+    /// The value of the first H record with that code.
     #[must_use]
     pub fn header(&self, code: &str) -> Option<&str> {
         let found = self.headers.iter().find_map(|(found, value)| (found == code).then_some(value.trim()));
@@ -177,7 +177,7 @@ impl Log {
         }
     }
 
-    /// Keeps a row's additional values; a later one of the same code takes the earlier one's place.
+    /// Stores a row's additional values; a later value of the same code replaces the earlier one.
     fn take_values(&mut self, row: usize, line: &[u8], extensions: &[Extension]) {
         let room = self.time_s.capacity();
         for extension in extensions {
@@ -244,7 +244,7 @@ impl Log {
             self.losses.before_first_fix += 1;
             return true;
         };
-        // A K record may follow the fix of a later second; its place is before that.
+        // A K record may follow the fix of a later second; its place is before that fix.
         let later = self.time_s.iter().rev().take_while(|later_s| **later_s > time_s).count();
         let place = self.time_s.len() - later;
         let last = place.checked_sub(1);
@@ -259,7 +259,7 @@ impl Log {
         true
     }
 
-    /// A row without a fix.
+    /// Inserts a row without a fix.
     fn insert_row(&mut self, place: usize, time_s: f64) {
         self.time_s.insert(place, time_s);
         self.fixes.insert(place, None);
@@ -308,7 +308,7 @@ mod tests {
     fn time_counts_from_the_first_fix_and_passes_midnight() {
         let at = |list: &[&str]| list.iter().map(|time| fix_at(time)).collect::<String>();
         assert_eq!(times(&at(&["235958", "235959", "000001", "000002"])), [0.0, 1.0, 3.0, 4.0]);
-        // Repeated and backward times are kept, for the estimator to count.
+        // Repeated and backward times are kept; the estimator counts them.
         assert_eq!(times(&at(&["100000", "100001", "100001", "100000"])), [0.0, 1.0, 1.0, 0.0]);
         let log = Log::read(at(&["100000", "095959", "100001"]).as_bytes());
         assert_eq!((log.time_s.len(), log.losses.before_first_fix), (2, 1));
@@ -326,7 +326,7 @@ mod tests {
         let position = log.positions[0];
         assert!((position.latitude_deg - (54.0 + 7.1215 / 60.0)).abs() < 1e-12);
         assert!((position.longitude_deg + (2.0 + 49.3426 / 60.0)).abs() < 1e-12);
-        // '-7' are no decimals; 07 are seven hundredths.
+        // '-7' is not decimals; '07' is seven hundredths.
         assert_eq!(log.time_s, [0.0, 1.07]);
         assert!(log.positions[1].latitude_deg < -54.118_69);
         assert!(log.values.is_empty());

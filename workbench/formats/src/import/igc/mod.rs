@@ -25,7 +25,7 @@ pub use log::{Altitudes, Log, Losses};
 use crate::import::{ImportError, Importer};
 use flight_data::{Flight, Note};
 
-/// A log is recognised by what is within this many bytes.
+/// A log is recognised by its content within this many bytes.
 const SNIFFED: usize = 1 << 18;
 
 /// The importer of IGC logs.

@@ -17,7 +17,7 @@ pub struct Fix {
     pub gnss_altitude_m: f32,
 }
 
-/// Where a line holds an additional value: one entry of an I or J record.
+/// Position of an additional value in a line: one entry of an I or J record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Extension {
     /// Three-letter code.
@@ -28,7 +28,7 @@ pub struct Extension {
     pub last: usize,
 }
 
-/// Shortest B record.
+/// Length of the shortest B record.
 const FIX_LENGTH: usize = 35;
 
 /// `width` decimal digits at `from`.
@@ -66,7 +66,7 @@ fn angle(line: &[u8], from: usize, width: usize, positive: u8, negative: u8, mos
     (thousandths < 60_000 && value <= most).then_some(sign * value)
 }
 
-/// Reads a B record; `None` if it is not one from the first to the last byte of its fixed part.
+/// Reads a B record; `None` unless its fixed part is complete and valid.
 #[must_use]
 pub fn fix(line: &[u8]) -> Option<Fix> {
     if line.first() != Some(&b'B') || line.len() < FIX_LENGTH {
@@ -88,7 +88,7 @@ pub fn fix(line: &[u8]) -> Option<Fix> {
     })
 }
 
-/// Second of the day of what may be a B record.
+/// Second of the day of a line that may be a B record.
 pub fn fix_time(line: &[u8]) -> Option<u32> {
     if line.first() == Some(&b'B') && line.len() >= FIX_LENGTH { second_of_day(line, 1) } else { None }
 }
@@ -99,8 +99,8 @@ pub fn data_time(line: &[u8]) -> Option<u32> {
     if line.first() == Some(&b'K') { second_of_day(line, 1) } else { None }
 }
 
-/// Reads an I or J record; the flag says whether it was read to its end and held as many entries as it
-/// says. Entries are `SSFFCCC`; recorders whose lines are longer than 99 bytes write three digits.
+/// Reads an I or J record; the flag reports whether it was complete and had the number of entries that it
+/// gives. Entries are `SSFFCCC`; recorders whose lines are longer than 99 bytes write three digits.
 #[must_use]
 pub fn extensions(line: &[u8]) -> (Vec<Extension>, bool) {
     let mut found = Vec::new();
@@ -120,12 +120,12 @@ pub fn extensions(line: &[u8]) -> (Vec<Extension>, bool) {
             return (found, false);
         };
         let (first, last) = (first as usize, last as usize);
-        // Before byte 8 lies the record's own time.
+        // The record's own time is before byte 8.
         if first < 8 || last < first {
             return (found, false);
         }
-        // Three-letter codes are capitals (FAI technical specification, A7): one in other letters is the
-        // same.
+        // Three-letter codes are capitals (FAI technical specification, A7): the same code in lower case is
+        // the same value.
         let code = code.iter().map(|byte| char::from(byte.to_ascii_uppercase())).collect();
         found.push(Extension { code, first, last });
         rest = rest.get(count + 3..).unwrap_or_default();
@@ -142,18 +142,18 @@ impl Extension {
         self.last - self.first + 1
     }
 
-    /// The value's characters in a line; `None` where the line is too short.
+    /// The value's characters in a line; `None` if the line is too short.
     #[must_use]
     pub fn text<'a>(&self, line: &'a [u8]) -> Option<&'a [u8]> {
         line.get(self.first - 1..self.last)
     }
 
-    /// The value as a whole number, with a minus before its digits if negative. `None` where it is
-    /// blank, not a number, or cut.
+    /// The value as a whole number, with a minus before its digits if negative. `None` if it is blank, not a
+    /// number, or cut.
     #[must_use]
     pub fn number(&self, line: &[u8]) -> Option<f64> {
         let text = str::from_utf8(self.text(line)?.trim_ascii()).ok()?;
-        // Fields wider than this are no quantities, and not exact in a float.
+        // Wider fields are not quantities, and not exact in a float.
         if text.len() > 15 || !text.ends_with(|last: char| last.is_ascii_digit()) {
             return None;
         }
@@ -174,7 +174,7 @@ pub fn header(line: &[u8]) -> Option<(&str, &str)> {
 }
 
 /// The date of a DTE record as year, month, day. Written `HFDTE010203`, `HFDTEDATE:010203,01` or
-/// `HFDTEDATE010203`; two digits of the year, of which 80 and above are of the last century.
+/// `HFDTEDATE010203`; a two-digit year from 80 on is in the last century.
 #[must_use]
 pub fn date(line: &[u8]) -> Option<(u32, u32, u32)> {
     let from = line.iter().position(u8::is_ascii_digit)?;
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn reads_extensions_and_their_values() {
-        // A code in other letters is the same code (found by fuzzing: two columns of one name).
+        // A code in another case is the same code (found by fuzzing: two columns of one name).
         assert_eq!(extensions(b"I013638FxA").0[0].code, "FXA");
         let (found, complete) = extensions(b"I033638FXA3940SIU4145VAT");
         assert!(complete);

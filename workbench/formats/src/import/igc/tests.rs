@@ -27,7 +27,7 @@ fn has_note(notes: &[String], part: &str) -> bool {
     notes.iter().any(|note| note.contains(part))
 }
 
-/// A fix a second, 100 m to the north each; altitudes as given (pressure, GNSS, validity).
+/// A fix a second, each 100 m further north; altitudes as given (pressure, GNSS, validity).
 fn log(head: &str, fixes: &[(i32, i32, char)]) -> String {
     let mut text = head.to_owned();
     for (index, (pressure, gnss, validity)) in fixes.iter().enumerate() {
@@ -52,7 +52,7 @@ fn altitudes_datum_and_header() {
     assert!(has_note(&notes, "not 3D (validity V) and give no GPS sample: 1"));
     assert!(has_note(&notes, "ALP header says 'MSL', not ISA"));
     assert!(!has_note(&notes, "ALG"));
-    // Who flew is nobody's business here.
+    // The pilot's name is private and not imported.
     assert!(!format!("{:?}", flight.header).contains("Somebody"));
 }
 
@@ -99,7 +99,7 @@ fn velocities_come_from_valid_positions() {
     assert!(flight.channel(Channel::GpsVdMps).is_none());
     assert!(has_note(&notes, "derived from positions"));
     assert_eq!(signal(&flight, "latitude_deg")[0], Some(45.0));
-    // 45 degrees and 0.108 minutes: a digit that f32 does not have.
+    // 45 degrees and 0.108 minutes: a digit that f32 cannot represent.
     let (_, latitudes) = flight.extra.iter().find(|(name, _)| name == "latitude_deg").unwrap();
     assert!(latitudes.samples_f64().any(|(_, degrees)| (degrees - 45.001_8).abs() < 1e-12));
 }
@@ -134,8 +134,8 @@ fn repeated_and_lost_records_are_noted() {
     assert!(has_note(&notes, "before the first fix's, left out: 1"));
 }
 
-/// One wrong digit moves a record by hours; what follows is in its place all the same. Hours that really
-/// passed are said.
+/// One wrong digit moves a record by hours; the records after it keep their place. Hours that really passed
+/// are reported.
 #[test]
 fn a_wrong_hour_costs_its_record_and_hours_without_any_are_said() {
     let text = log("HFALG:ELL\n", &[(500, 560, 'A'); 50]);
@@ -201,7 +201,7 @@ fn airspeeds_of_every_maker_come_out_the_same() {
         let text = glider("I013640TAS", |speed, _, _, _| format!("{:05.0}", speed * scale));
         let (flight, notes) = import(&text);
         assert!(has_note(&notes, &format!("tas_mps: TAS is taken as {unit}: ")), "{notes:?}");
-        // Half a unit of rounding.
+        // Rounding of half a unit.
         assert!(largest_error(&cells(&flight, Channel::TasMps), true_mps) <= 0.51 / scale);
     }
 }
@@ -218,7 +218,7 @@ fn indicated_airspeed_becomes_true_airspeed_by_density() {
         "tas_mps: made of IAS, taken as km/h, by pressure altitude and the logged temperature"
     ));
     assert!(has_note(&notes, "oat_c: OAT is taken as degrees C: "));
-    // Half a km/h, and half a degree of temperature and half a metre of altitude of rounding.
+    // Rounding of half a km/h, half a degree of temperature and half a metre of altitude.
     let error = largest_error(&cells(&flight, Channel::TasMps), |second| 28.0 + 3.0 * (0.05 * second).sin());
     assert!(error < 0.14 * 1.1 + 0.05, "{error}");
     assert!(signal(&flight, "indicated_airspeed_mps")[0].unwrap() < 28.0);
@@ -266,7 +266,7 @@ fn is_recognised_by_content_and_opened_as_a_flight() {
     let csv = b"# pylon-flight: 1\ntime_s,gps_alt_m,baro_alt_m\n0,1,2\n";
     assert_eq!(opened(csv).unwrap().0.rows(), 1);
     assert!(import::is_known(csv) && import::is_known(text.as_bytes()) && !import::is_known(b"neither"));
-    // What is no text is no flight that lacks its first line.
+    // A binary file is not reported as a flight without its first line.
     for binary in [&b"\x7fELF\x02\x01\x01\0\0\0"[..], &[0xfe; 5_000]] {
         assert!(
             opened(binary)
@@ -278,7 +278,7 @@ fn is_recognised_by_content_and_opened_as_a_flight() {
     assert!(opened(b"neither").unwrap_err().to_string().contains("no '# pylon-flight: 1' line"));
 }
 
-/// A flight made of a log can be written, and reads back the same.
+/// A flight imported from a log can be written, and reads back the same.
 fn round_trip(flight: &Flight) {
     let mut written = Vec::new();
     to_writer(&mut written, flight).unwrap();
@@ -303,7 +303,7 @@ proptest! {
         let _ = Igc.import(&bytes);
     }
 
-    /// Lines that are nearly right: digits, letters and lengths that the records almost have.
+    /// Lines that are nearly right: digits, letters and lengths that almost match the records.
     #[test]
     fn damaged_logs_never_panic_and_stay_flights(
         lines in prop::collection::vec(

@@ -1,42 +1,42 @@
-//! Which records of an IGC log have a time that contradicts those around them.
+//! Finds records of an IGC log whose time contradicts those around them.
 //!
-//! No line of the format has a check of its own. One wrong digit of an hour makes a record hours early or
-//! late, and everything after a late one seems to go back in time, which an estimator ignores; half a day
-//! late it even counts as a midnight.
+//! Lines of the format have no checksum. One wrong digit of an hour makes a record hours early or late.
+//! Everything after a late one seems to go back in time, which an estimator ignores; a record half a day late
+//! even counts as a midnight.
 
 use super::log::lines;
 use super::records;
 
-/// As many records after one decide whether the clock went on from it, most of them that is.
+/// Number of records after one that decide by majority whether the clock continued from it.
 const WITNESSES: usize = 16;
-/// Records within this, beside what so many records take, belong together, seconds: `TOGETHER_US` of the
-/// other logs.
+/// Records within this, plus the usual time of that many records, belong together, seconds: `TOGETHER_US` of
+/// the other logs.
 const TOGETHER_S: u32 = 60;
 const DAY_S: u32 = 86_400;
-/// A clock that goes back further has passed midnight.
+/// A clock that goes back by more has passed midnight.
 pub const HALF_DAY_S: u32 = 43_200;
 
-/// A record whose time is not believed.
+/// A record whose time is not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Contradiction {
     /// Its line, from 0.
     pub line: usize,
     /// Its second of the day.
     pub second: u32,
-    /// Second of the day of the fix before it that is believed; `None` for the first.
+    /// Second of the day of the last accepted fix before it; `None` for the first.
     pub before: Option<u32>,
 }
 
-/// What is left out for its time.
+/// What is left out because of its time.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Judged {
     /// Lines that are left out, from 0, in order.
     pub left_out: Vec<usize>,
-    /// How many contradict those around them.
+    /// Number that contradict those around them.
     pub contradicting: usize,
-    /// The first of those.
+    /// The first one that contradicts.
     pub first: Option<Contradiction>,
-    /// How often the clock went back and stayed there: fixes of the longest run count only.
+    /// How often the clock went back and stayed there: only fixes of the longest run are used.
     pub restarts: usize,
     /// Fixes of the other runs.
     pub of_other_runs: usize,
@@ -72,7 +72,7 @@ pub fn judge(text: &[u8]) -> Judged {
     judged
 }
 
-/// Seconds from one time of day to another, on past midnight.
+/// Seconds from one time of day to another, across midnight if needed.
 const fn forward_s(from: u32, to: u32) -> u32 {
     (to + DAY_S - from) % DAY_S
 }
@@ -89,7 +89,7 @@ fn usual_step_s(fixes: &[Timed]) -> u32 {
     if steps.is_empty() { 0 } else { *steps.select_nth_unstable(middle).1 }
 }
 
-/// Takes fixes away that those after them do not go on from.
+/// Removes fixes from which those after them do not continue.
 fn leave_out_contradicting(fixes: &mut Vec<Timed>, near_s: u32, judged: &mut Judged) {
     let mut believed: Vec<Timed> = Vec::with_capacity(fixes.len());
     for (place, fix) in fixes.iter().enumerate() {
@@ -100,7 +100,7 @@ fn leave_out_contradicting(fixes: &mut Vec<Timed>, near_s: u32, judged: &mut Jud
         let before = believed.last().map(|before| before.second);
         let is_believed = match before {
             Some(before) if apart_s(before, fix.second) <= near_s => true,
-            // The clock goes on from the one before; or, at the log's end, nothing goes on from this one.
+            // The clock continues from the one before; or, at the log's end, nothing continues from this one.
             Some(before) => !most(near(before)) && near(fix.second) > 0,
             None => {
                 let goes_on = after.first().is_some_and(|next| most(near(next.second)));
@@ -116,7 +116,7 @@ fn leave_out_contradicting(fixes: &mut Vec<Timed>, near_s: u32, judged: &mut Jud
     *fixes = believed;
 }
 
-/// Takes all but the longest run away, where the clock goes back and stays there.
+/// Removes all but the longest run, where the clock goes back and stays there.
 fn leave_out_other_runs(fixes: &mut Vec<Timed>, near_s: u32, judged: &mut Judged) {
     let goes_back = |one: &Timed, next: &Timed| {
         let back_s = one.second.saturating_sub(next.second);
@@ -127,7 +127,7 @@ fn leave_out_other_runs(fixes: &mut Vec<Timed>, near_s: u32, judged: &mut Judged
         (1..).zip(pairs).filter_map(|(place, (one, next))| goes_back(one, next).then_some(place)).collect();
     let ends = starts.iter().copied().chain([fixes.len()]);
     let runs = [0].into_iter().chain(starts.iter().copied()).zip(ends);
-    // Of two that are equally long, the first.
+    // Of two equally long ones, the first.
     let longest = runs.reduce(|best, run| if run.1 - run.0 > best.1 - best.0 { run } else { best });
     let (start, end) = longest.unwrap_or((0, fixes.len()));
     judged.restarts = starts.len();
@@ -141,7 +141,7 @@ fn leave_out_other_runs(fixes: &mut Vec<Timed>, near_s: u32, judged: &mut Judged
     fixes.drain(..start);
 }
 
-/// Takes data records away that are neither near the fixes beside them in the file nor between them.
+/// Removes data records that are neither near the adjacent fixes in the file nor between them.
 fn leave_out_data(text: &[u8], fixes: &[Timed], near_s: u32, judged: &mut Judged) {
     let mut after = fixes.iter().peekable();
     let mut before: Option<u32> = None;
@@ -181,7 +181,7 @@ mod tests {
         times.iter().map(line).collect()
     }
 
-    /// A fix a second from a time on, hhmm.
+    /// A fix a second for a minute, starting at a time hhmm.
     fn minute(from: &str) -> Vec<String> {
         (0..60).map(|second| format!("{from}{second:02}")).collect()
     }
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn wrong_digits_of_an_hour_are_left_out_and_what_follows_them_is_not() {
-        // Five hours late, nine early, and thirteen late, which would be a midnight.
+        // Five hours late, nine hours early, and thirteen hours late, which would count as a midnight.
         for wrong in ["150020", "010020", "230020"] {
             let mut times = minute("1000");
             times[20] = wrong.to_owned();
@@ -233,7 +233,7 @@ mod tests {
         let mut text = log(&minute("1000").iter().map(String::as_str).collect::<Vec<_>>());
         text += "K10005901205\nK15005901205\n";
         text += &log(&["100100", "100101"]);
-        // A data record in a gap of hours is where it says.
+        // A data record within a gap of hours keeps its time.
         text += "K12000001205\n";
         text += &log(&minute("1400").iter().map(String::as_str).collect::<Vec<_>>());
         assert_eq!(judge(text.as_bytes()).left_out, [61]);

@@ -1,15 +1,15 @@
-//! Units that the format leaves to the recorder's maker, told by what is physically possible.
+//! Infers units that the format leaves to the recorder's maker, by what is physically possible.
 //!
-//! The specification gives airspeeds "in kt, kph, etc." and temperatures in degrees, and makers add
-//! decimals without a point. A unit is taken only if the data fit it and fit no other; else the importer
-//! keeps the plain numbers as a signal and says so.
+//! The specification gives airspeeds "in kt, kph, etc." and temperatures in degrees, and makers add decimals
+//! without a point. A unit is used only if the data fit it and no other; else the importer keeps the plain
+//! numbers as a signal and reports it.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use thiserror::Error;
 
 use crate::import::airspeed::standard_temperature_c;
 
-/// A unit: its name, and how many of its units make one of ours.
+/// A unit: its name, and how many of it are one of ours.
 pub type Unit = (&'static str, f64);
 
 const SPEED_UNITS: [Unit; 9] = [
@@ -27,31 +27,32 @@ const CLIMB_UNITS: [Unit; 3] = [("m/s", 1.0), ("tenths of m/s", 10.0), ("hundred
 const TEMPERATURE_UNITS: [Unit; 3] =
     [("degrees C", 1.0), ("tenths of degrees C", 10.0), ("hundredths of degrees C", 100.0)];
 
-/// Fewer samples than this prove nothing.
+/// Fewest samples for a conclusion.
 const FEWEST_SAMPLES: usize = 60;
-/// Slower than this over ground, an aircraft may be parked, m/s.
+/// Below this speed over ground an aircraft may be parked, m/s.
 const SLOWEST_MPS: f64 = 5.0;
-/// A unit fits if it fits this share of the samples...
+/// A unit fits if this share of the samples...
 const MOST: f64 = 0.75;
-/// ... to this share of the median speed.
+/// ... fits within this share of the median speed.
 const LARGEST_MISFIT: f64 = 0.2;
-/// Every other possible unit must fit worse than the best by this factor, and than this misfit.
+/// Every other possible unit must have a misfit of at least this factor times the best one's, and times
+/// `SMALLEST_MISFIT`.
 const CLEARANCE: f64 = 2.0;
 const SMALLEST_MISFIT: f64 = 0.03;
-/// Wind is at most this, m/s, and this share of the airspeed.
+/// Largest wind, m/s and as a share of the airspeed.
 const STRONGEST_WIND_MPS: f64 = 40.0;
 const STRONGEST_WIND_SHARE: f64 = 0.8;
-/// Sigmas of the wind, and of a speed about what a constant wind makes of it, m/s.
+/// Sigma of the wind, and sigma of a speed around the one expected with a constant wind, m/s.
 const WIND_SIGMA_MPS: f64 = 10.0;
 const SPEED_SIGMA_MPS: f64 = 2.0;
 const WIND_STEPS: usize = 8;
 
-/// A unit that was inferred, and why.
+/// A unit that was inferred, and the reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inferred {
     /// The unit.
     pub unit: Unit,
-    /// What was compared with what, and how well it fits.
+    /// What was compared, and how well it fits.
     pub why: String,
 }
 
@@ -59,7 +60,7 @@ pub struct Inferred {
 /// m/s).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedSample {
-    /// The logged number; an indicated airspeed already made a true one.
+    /// The logged number; an indicated airspeed already converted to true airspeed.
     pub raw: f64,
     /// Velocity over ground.
     pub ground_mps: (f64, f64),
@@ -69,7 +70,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     quantile(values, 0.5)
 }
 
-/// NaN for no value.
+/// A quantile; NaN without values.
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut values: Vec<f64> = values.collect();
     let index = (values.len() as f64 * share) as usize;
@@ -79,13 +80,13 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
 /// Why a unit could not be inferred.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum UnitUnknown {
-    /// There is too little to tell it by.
+    /// There are too few samples.
     #[error("only {found} samples in motion to tell the unit by, expected {FEWEST_SAMPLES}")]
     TooFew {
         /// Samples.
         found: usize,
     },
-    /// Two fit.
+    /// Two units fit.
     #[error("{best} fits the {speeds}, to {percent:.0} %, but {other} does to {next_percent:.0} % as well")]
     TwoFit {
         /// What the speed was compared with.
@@ -94,21 +95,21 @@ pub enum UnitUnknown {
         best: &'static str,
         /// Its misfit, per cent of the speed.
         percent: f64,
-        /// The next one.
+        /// The unit that fits second best.
         other: &'static str,
         /// Its misfit, per cent of the speed.
         next_percent: f64,
     },
-    /// None fits.
+    /// No unit fits.
     #[error("no unit fits the {with}")]
     NoneFits {
         /// What the numbers were compared with.
         with: &'static str,
     },
-    /// Two give temperatures that the air can have.
+    /// Two units give possible air temperatures.
     #[error("{0} and {1} are both possible")]
     TwoPossible(&'static str, &'static str),
-    /// None does.
+    /// No unit does.
     #[error("no unit gives possible temperatures")]
     NonePossible,
     /// A variometer that does not follow the climb.
@@ -117,7 +118,7 @@ pub enum UnitUnknown {
 }
 
 /// The constant wind that best explains `|ground - wind| = raw / scale`: Gauss-Newton steps from the
-/// least-squares solution of `|ground|^2 - (raw / scale)^2 = 2 ground . wind - |wind|^2`, its last term
+/// least-squares solution of `|ground|^2 - (raw / scale)^2 = 2 ground . wind - |wind|^2`, with its last term
 /// free. A weak prior keeps the wind defined where the track never turns.
 fn wind_mps(samples: &[SpeedSample], scale: f64) -> Option<Vector2<f64>> {
     let mut normal = Matrix3::zeros();
@@ -207,9 +208,9 @@ fn speed_unit(mut moving: Vec<SpeedSample>, has_wind: bool) -> Result<Inferred, 
     }
 }
 
-/// Largest distance from the standard atmosphere that weather makes, kelvins.
+/// Largest deviation from the standard atmosphere due to weather, kelvins.
 const WEATHER_K: f64 = 35.0;
-/// Climbs lower than this say nothing about the lapse rate, metres.
+/// Lower climbs give no lapse rate, metres.
 const LOWEST_CLIMB_M: f64 = 300.0;
 /// Lapse rates of real air columns, kelvins a kilometre.
 const LAPSE_RATES_K_PER_KM: std::ops::RangeInclusive<f64> = -13.0..=-2.5;
@@ -328,7 +329,7 @@ mod tests {
         let refused = airspeed_unit(straight).unwrap_err().to_string();
         assert!(refused.contains("as well"), "{refused}");
         assert_eq!(airspeed_unit(flight(true, 3.6)[..59].to_vec()), Err(UnitUnknown::TooFew { found: 59 }));
-        // A number that has nothing to do with speed.
+        // A number unrelated to speed.
         let other: Vec<_> = flight(true, 1.0)
             .into_iter()
             .enumerate()
@@ -347,7 +348,7 @@ mod tests {
         for unit in TEMPERATURE_UNITS {
             assert_eq!(temperature_unit(&climb(unit.1)).unwrap().unit, unit);
         }
-        // 12 degrees or 1.2 degrees at constant altitude: both happen.
+        // 12 degrees or 1.2 degrees at constant altitude: both are possible.
         let level: Vec<_> = (0..200).map(|_| (1000.0, 120.0)).collect();
         assert_eq!(
             temperature_unit(&level).unwrap_err().to_string(),

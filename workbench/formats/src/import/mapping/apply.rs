@@ -1,4 +1,4 @@
-//! A table as a flight, by a mapping.
+//! Turns a table into a flight, by a mapping.
 
 use super::document::{ColumnName, Mapping, Signal, TimeBase};
 use super::error::{ColumnError, Fault, MappingError, SignalError, TableError};
@@ -11,14 +11,14 @@ use crate::import::table::{Destination, Filling, Samples, Table, assemble};
 use crate::import::velocity::{Position, velocities};
 use flight_data::{Channel, Column, CsvProblem, Flight, Header, Note};
 
-/// A time that is farther than this from the middle of the others, seconds (30 years), is none.
+/// A time farther than this from the median of the others is invalid, seconds (30 years).
 const FAR_S: f64 = 1e9;
-/// Half a day: a time of day that goes back by more has gone past midnight.
+/// Half a day, seconds: a time of day that goes back by more has passed midnight.
 const HALF_DAY_S: f64 = 43_200.0;
-/// Seconds since 1970 that a log can have been written at: 2000 to 2100.
+/// Possible times of a log, seconds since 1970: 2000 to 2100.
 pub const EPOCH_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
 
-/// Makes a flight.
+/// Makes the flight.
 pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flight, Vec<Note>), Fault> {
     let Some(base) = &mapping.time else { return Err(MappingError::NoTimeBase.into()) };
     let mut notes = Vec::new();
@@ -109,7 +109,7 @@ fn mark(used: &mut [bool], column: usize) {
     }
 }
 
-/// The place of a column, from 0.
+/// Index of a column, from 0.
 fn place(table: &LoggedTable, column: &ColumnName) -> Result<usize, ColumnError> {
     let count = table.columns.len();
     match column {
@@ -138,12 +138,12 @@ fn place(table: &LoggedTable, column: &ColumnName) -> Result<usize, ColumnError>
     }
 }
 
-/// The place of the time's column, from 0.
+/// Index of the time's column, from 0.
 fn time_place(table: &LoggedTable, column: &ColumnName) -> Result<usize, MappingError> {
     place(table, column).map_err(|error| MappingError::TimeColumn(Box::new(error)))
 }
 
-/// The place of a signal's column, from 0.
+/// Index of a signal's column, from 0.
 fn signal_place(table: &LoggedTable, name: &str, signal: &Signal) -> Result<usize, MappingError> {
     place(table, &signal.column).map_err(|error| {
         let source = Box::new(SignalError::Column(error));
@@ -151,7 +151,7 @@ fn signal_place(table: &LoggedTable, name: &str, signal: &Signal) -> Result<usiz
     })
 }
 
-/// The time of each row, seconds by the log's own clock; NaN where there is none.
+/// Time of each row, seconds by the log's own clock; NaN where there is none.
 fn seconds(table: &LoggedTable, base: &TimeBase) -> Result<Vec<f64>, Fault> {
     let rows = table.lines.len();
     let (Some(column), None) = (&base.column, base.rate_hz) else {
@@ -171,7 +171,7 @@ fn seconds(table: &LoggedTable, base: &TimeBase) -> Result<Vec<f64>, Fault> {
     }
 }
 
-/// Times of day that go on behind midnight.
+/// Times of day that continue past midnight.
 pub fn past_midnight(values: &[f64]) -> Vec<f64> {
     let (mut days_s, mut before) = (0.0, f64::NAN);
     let next = |value: &f64| {
@@ -186,11 +186,11 @@ pub fn past_midnight(values: &[f64]) -> Vec<f64> {
 
 struct Times {
     times_us: Vec<Option<u64>>,
-    /// Seconds since 1970 at zero of those, if the log says it.
+    /// Seconds since 1970 at zero of these times, if the log gives it.
     epoch_s: Option<f64>,
 }
 
-/// The middle of some numbers; none of none.
+/// The median of some numbers; `None` without numbers.
 pub fn middle(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     let half = values.len() / 2;
@@ -229,12 +229,12 @@ fn times(table: &LoggedTable, seconds: &[f64], notes: &mut Vec<String>) -> Resul
     Ok(Times { times_us: believed.times_us, epoch_s })
 }
 
-/// Whether a signal is the receiver's: what is held of those is new together.
+/// Whether a signal is the receiver's: held signals of the receiver change together.
 fn is_of_fix(destination: &str) -> bool {
     destination.starts_with("gps_") || matches!(destination, "latitude_deg" | "longitude_deg")
 }
 
-/// Rows whose position is exactly where the equator meets the first meridian: what receivers say without one.
+/// Rows whose position is exactly at zero latitude and longitude: what receivers report without a position.
 fn nowhere(table: &LoggedTable, mapping: &Mapping) -> Vec<bool> {
     let column = |name: &str| place(table, &mapping.signals.get(name)?.column).ok();
     let (Some(latitude), Some(longitude)) = (column("latitude_deg"), column("longitude_deg")) else {
@@ -244,7 +244,7 @@ fn nowhere(table: &LoggedTable, mapping: &Mapping) -> Vec<bool> {
     pairs.map(|(latitude, longitude)| *latitude == 0.0 && *longitude == 0.0).collect()
 }
 
-/// Of the receiver's held columns: the rows in which one of them differs from the row before.
+/// For the receiver's held columns: the rows in which one of them differs from the row before.
 fn fix_rows(table: &LoggedTable, mapping: &Mapping) -> Result<Option<Vec<bool>>, Fault> {
     let held = mapping.signals.iter().filter(|(name, signal)| signal.held && is_of_fix(name));
     let mut rows: Option<Vec<bool>> = None;
@@ -293,7 +293,7 @@ fn samples(
     converted.filter(|(_, value)| (*value as f32).is_finite()).collect()
 }
 
-/// What is odd about a signal's values.
+/// Notes on unusual values of a signal.
 fn remarks(table: &LoggedTable, column: usize, destination: &str, samples: &[(u32, f64)]) -> Vec<String> {
     let mut found = Vec::new();
     let name = table.name(column);
@@ -317,7 +317,7 @@ fn remarks(table: &LoggedTable, column: usize, destination: &str, samples: &[(u3
     found
 }
 
-/// Puts north and east velocity in where positions are mapped and velocities are not; says whether it did.
+/// Adds north and east velocity where positions are mapped and velocities are not; returns whether it did.
 fn derive_velocity(
     table: &LoggedTable,
     mapping: &Mapping,
@@ -334,7 +334,7 @@ fn derive_velocity(
     if has(Channel::GpsVnMps) || has(Channel::GpsVeMps) {
         return false;
     }
-    // Straight from the cells: f32 would round a position to a metre.
+    // From the cells directly: f32 would round a position to a metre.
     let degrees = |name: &str, signal: &Signal| {
         let (factor, offset) = signal.conversion(name);
         let column = place(table, &signal.column).unwrap_or(usize::MAX);

@@ -1,28 +1,28 @@
-//! What one cell of a table holds.
+//! The content of one cell of a table.
 
 /// A cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// Nothing, or what programs write for it.
+    /// Nothing, or a word that programs write for it.
     Empty,
     /// A number.
     Number(f64),
     /// A time of day, as seconds since midnight.
     Clock(f64),
-    /// A date with its time, as seconds since 1970; without a zone it is taken for UTC.
+    /// A date with its time, as seconds since 1970; without a zone, UTC is assumed.
     Date(f64),
     /// Anything else.
     Word,
 }
 
-/// Reads a cell, which has no spaces or quotes around it.
+/// Reads a cell without spaces or quotes around it.
 pub fn cell(text: &[u8], decimal_comma: bool) -> Cell {
     let Ok(text) = str::from_utf8(text) else { return Cell::Word };
     if text.is_empty() {
         return Cell::Empty;
     }
     if let Some(number) = number(text, decimal_comma) {
-        // An infinite value is none that a sensor had.
+        // A sensor cannot measure an infinite value.
         return if number.is_finite() { Cell::Number(number) } else { Cell::Empty };
     }
     let is = |words: &[&str]| words.iter().any(|word| text.eq_ignore_ascii_case(word));
@@ -45,7 +45,7 @@ fn number(text: &str, decimal_comma: bool) -> Option<f64> {
     if let Ok(number) = text.parse() {
         return Some(number);
     }
-    // 1.013,25: points only between thousands.
+    // 1.013,25: points are only thousands separators.
     let has_one = text.bytes().filter(|byte| *byte == b',').count() == 1;
     (decimal_comma && has_one).then(|| text.replace('.', "").replace(',', ".").parse().ok()).flatten()
 }

@@ -10,17 +10,17 @@ use super::quantity::Quantity;
 use super::table::{Layout, Separator};
 use flight_data::{AltitudeDatum, is_altitude, unit_slip};
 
-/// What a mapping file says (TOML).
+/// The content of a mapping file (TOML).
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mapping {
     /// The format's version; 1.
     #[serde(rename = "pylon-mapping")]
     version: u32,
-    /// How the file is laid out; what is not said is found out.
+    /// The layout of the file; what is not given is detected.
     #[serde(default)]
     file: FileSection,
-    /// What is said about the flight.
+    /// The flight's own properties.
     #[serde(default)]
     pub flight: FlightSection,
     /// The time base.
@@ -39,7 +39,7 @@ struct FileSection {
     first_line: Option<usize>,
 }
 
-/// What a mapping says about the flight.
+/// The flight's properties in a mapping.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FlightSection {
@@ -50,44 +50,44 @@ pub struct FlightSection {
     altitude_datum: Option<String>,
 }
 
-/// A column by its name, or by its place from 1.
+/// A column by its name, or by its index from 1.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub enum ColumnName {
-    /// From 1.
+    /// Index from 1.
     Place(usize),
-    /// As the line of names has it.
+    /// Name in the line of names.
     Name(String),
 }
 
-/// Where time comes from.
+/// The source of the time.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TimeBase {
-    /// The column; times of day and dates are known as such.
+    /// The column; times of day and dates are detected.
     pub column: Option<ColumnName>,
-    /// Its unit, where it is a number.
+    /// Its unit, if it is a number.
     pub unit: Option<String>,
-    /// Without a column: so many rows a second.
+    /// Without a column: rows a second.
     pub rate_hz: Option<f64>,
 }
 
-/// Where a signal comes from. Its value is the cell times `scale` plus `offset`, in `unit`.
+/// The source of a signal. Its value is the cell times `scale` plus `offset`, in `unit`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Signal {
     /// The column.
     pub column: ColumnName,
-    /// Its unit; without, the signal's own.
+    /// Its unit; by default the signal's own.
     pub unit: Option<String>,
-    /// Times this, before the unit.
+    /// Factor applied before the unit.
     pub scale: Option<f64>,
-    /// Plus this, before the unit.
+    /// Offset added before the unit.
     pub offset: Option<f64>,
-    /// What an altitude is measured from, if not from what `[flight]` says: `msl`, `ellipsoid` or `pressure`.
+    /// Datum of an altitude, if it is not that of `[flight]`: `msl`, `ellipsoid` or `pressure`.
     datum: Option<String>,
-    /// Whether the column repeats a sample until the next one; then only what differs from the row before is
-    /// a sample.
+    /// Whether the column repeats a sample until the next one; then only a value that differs from the row
+    /// before is a sample.
     #[serde(default)]
     pub held: bool,
 }
@@ -96,7 +96,7 @@ impl Mapping {
     /// Reads a mapping file's text.
     ///
     /// # Errors
-    /// [`MappingError`], with the line where there is one.
+    /// [`MappingError`], with the line where it is known.
     pub fn parse(text: &str) -> Result<Self, MappingError> {
         let mapping: Self = toml::from_str(text).map_err(|error| {
             if error.message().contains("missing field `pylon-mapping`") {
@@ -135,7 +135,7 @@ impl Mapping {
         Ok(())
     }
 
-    /// What the altitudes are measured from.
+    /// Datum of the altitudes.
     ///
     /// # Errors
     /// [`MappingError::Datum`].
@@ -147,13 +147,13 @@ impl Mapping {
         }
     }
 
-    /// What single altitudes are measured from: those that say it themselves.
+    /// Datums of single altitudes that have their own.
     pub fn datums(&self) -> impl Iterator<Item = (&str, AltitudeDatum)> {
         let own = |signal: &Signal| signal.datum.as_deref().and_then(AltitudeDatum::from_name);
         self.signals.iter().filter_map(move |(name, signal)| Some((name.as_str(), own(signal)?)))
     }
 
-    /// Whether it says how the text is laid out.
+    /// Whether it gives the layout of the text.
     pub const fn says_layout(&self) -> bool {
         let file = &self.file;
         file.separator.is_some()
@@ -162,10 +162,10 @@ impl Mapping {
             || file.first_line.is_some()
     }
 
-    /// The layout that was found, but for what the mapping says itself.
+    /// The detected layout, overridden by what the mapping gives itself.
     ///
     /// # Errors
-    /// A separator or decimal sign that there is not; nothing found and nothing said.
+    /// A separator or decimal sign that does not exist; a layout that is neither detected nor given.
     pub fn layout(&self, found: Option<Layout>) -> Result<Layout, MappingError> {
         let file = &self.file;
         let separator = match file.separator.as_deref() {

@@ -1,4 +1,4 @@
-//! Why a table could not be read by a mapping. Each displays as one line, without the file's name.
+//! Why a table could not be read by a mapping. Each error displays as one line, without the file's name.
 
 use std::num::NonZeroUsize;
 
@@ -8,36 +8,36 @@ use crate::import::ImportError;
 use crate::import::quantity::Quantity;
 use flight_data::CsvProblem;
 
-/// What is wrong, and where.
+/// The error, in the log or in the mapping.
 #[derive(Debug, Error)]
 pub enum Fault {
-    /// With the log.
+    /// In the log.
     #[error(transparent)]
     Log(#[from] TableError),
-    /// With the mapping.
+    /// In the mapping.
     #[error(transparent)]
     Mapping(#[from] MappingError),
 }
 
-/// What is wrong with a log that should be a table.
+/// What prevents a log from being read as a table.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// What is wrong with any log: it is empty, in UTF-16, or Parquet that cannot be read.
+    /// An error of any log: it is empty, in UTF-16, or Parquet that cannot be read.
     #[error(transparent)]
     Log(#[from] ImportError),
-    /// It is no text.
+    /// It is not text.
     #[error(
         "it is not text, expected a table of numbers as text (CSV) or Parquet; a log of a known program needs no mapping"
     )]
     NotText,
-    /// A log of a known format.
+    /// A log in a known format.
     #[error("it is a log of a known format ({format}), which 'pylon import' reads without a mapping")]
     Known {
         /// The format.
         format: &'static str,
     },
-    /// No layout was found.
+    /// No layout was detected.
     #[error(
         "no table of numbers was found in it, expected lines of at least two cells each, with the same separator"
     )]
@@ -53,16 +53,16 @@ pub enum TableError {
     },
 }
 
-/// What is wrong with a mapping, by itself or with this table.
+/// An error in a mapping, by itself or for this table.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum MappingError {
-    /// It is not TOML, or not of a mapping's keys.
+    /// It is not TOML, or has keys that a mapping does not have.
     #[error("{}{}", line.map_or_else(String::new, |line| format!("line {line}: ")), source.message())]
     Syntax {
-        /// Line, from 1, where it is known.
+        /// Line, from 1, if it is known.
         line: Option<NonZeroUsize>,
-        /// What TOML says.
+        /// TOML's own error.
         source: Box<toml::de::Error>,
     },
     /// It has no version.
@@ -73,7 +73,7 @@ pub enum MappingError {
     /// Another version.
     #[error("pylon-mapping version {0}, this program reads version 1")]
     Version(u32),
-    /// There is no such datum.
+    /// Unknown datum.
     #[error("[flight] altitude_datum is '{0}', expected \"msl\" or \"ellipsoid\"")]
     Datum(String),
     /// There is no time base.
@@ -81,51 +81,51 @@ pub enum MappingError {
         "no [time], expected one: column = \"...\" and unit = \"s\", or rate_hz = 100 for a table without a time"
     )]
     NoTimeBase,
-    /// A time base of nothing.
+    /// A time base with neither a column nor a rate.
     #[error("[time] has neither column nor rate_hz, expected one of them")]
     EmptyTimeBase,
-    /// A time base of two things.
+    /// A time base with both.
     #[error("[time] has both column and rate_hz, expected one of them")]
     TwoTimeBases,
-    /// A rate that no table has.
+    /// An impossible rate.
     #[error("[time] rate_hz is {0}, expected rows per second, above 0")]
     Rate(f64),
-    /// There is no such unit of time.
+    /// Unknown unit of time.
     #[error("[time] unit '{0}', expected one of {names}", names = Quantity::Time.unit_names())]
     TimeUnit(String),
-    /// The time's column is a number, and has no unit.
+    /// The time's column is a number and has no unit.
     #[error("[time] has no unit for column '{0}', expected one of {names}", names = Quantity::Time.unit_names())]
     NoTimeUnit(String),
-    /// The time's column says its unit itself.
+    /// The time's column defines its unit itself.
     #[error("[time] column '{0}' has times of day or dates, expected no unit")]
     UnitOfClock(String),
-    /// The time's column.
+    /// An error in the time's column.
     #[error("[time] {0}")]
     TimeColumn(#[source] Box<ColumnError>),
-    /// There is no such separator.
+    /// Unknown separator.
     #[error("[file] separator is '{0}', expected \",\", \";\", \"tab\", \"|\" or \"spaces\"")]
     Separator(String),
-    /// There is no such decimal sign.
+    /// Unknown decimal sign.
     #[error("[file] decimal is '{0}', expected \".\" or \",\"")]
     Decimal(String),
     /// The names are not above the numbers.
     #[error("[file] names_line is not above first_line, expected it there (0: no names)")]
     NamesLine,
-    /// No layout was found, and the mapping does not say one.
+    /// No layout was detected, and the mapping gives none.
     #[error(
         "no table of numbers was found in the log, expected lines of cells with the same separator; if it is one, say separator, \
          names_line and first_line under [file]"
     )]
     NoLayout,
-    /// A layout for what is no text.
+    /// A layout for a log that is not text.
     #[error(
         "[file] says how a text is laid out, expected no [file]: the log is Parquet, which says it itself"
     )]
     LayoutOfParquet,
-    /// A name that no signal can have.
+    /// An invalid signal name.
     #[error("[signals] '{}': no name for a signal", .0.escape_debug())]
     SignalName(String),
-    /// A signal.
+    /// An error in a signal.
     #[error("[signals] {name}: {source}")]
     Signal {
         /// Its name.
@@ -133,13 +133,13 @@ pub enum MappingError {
         /// What is wrong with it.
         source: Box<SignalError>,
     },
-    /// A signal that every flight has is missing.
+    /// A signal that every flight needs is missing.
     #[error("[signals] has no {name}, expected the reference's altitude among them")]
     NoReference {
         /// Its name.
         name: String,
     },
-    /// The signals make no flight.
+    /// The signals do not make a valid flight.
     #[error("[signals]: {0}")]
     Flight(#[source] Box<CsvProblem>),
 }
@@ -156,33 +156,33 @@ pub enum SignalError {
         "looks like {known} in another unit; write {known} = {{ column = ..., unit = \"...\" }}, and the values are converted"
     )]
     OtherUnit {
-        /// The signal that it looks like.
+        /// The signal that it resembles.
         known: &'static str,
     },
-    /// A signal that no unit is known of.
+    /// A signal whose unit is not known.
     #[error("a signal of your own is kept in its own unit; expected scale and offset in place of unit")]
     UnitOfOwn,
     /// A number without a unit.
     #[error("is a number without a unit, expected no unit")]
     UnitOfCount,
-    /// There is no such unit of its quantity.
+    /// Unknown unit of its quantity.
     #[error("unit '{unit}', expected one of {names}", names = quantity.unit_names())]
     Unit {
-        /// What was given.
+        /// The unit that was given.
         unit: String,
-        /// What it measures.
+        /// The signal's quantity.
         quantity: Quantity,
     },
-    /// There is no such datum, or the signal is no altitude.
+    /// Unknown datum, or the signal is not an altitude.
     #[error("datum is '{0}', expected \"msl\", \"ellipsoid\" or \"pressure\", and of an altitude only")]
     Datum(String),
-    /// Nothing can be multiplied by that.
+    /// An invalid scale.
     #[error("scale is {0}, expected a number other than 0")]
     Scale(f64),
-    /// Nothing can be added to that.
+    /// An invalid offset.
     #[error("offset is {0}, expected a number")]
     Offset(f64),
-    /// Its column.
+    /// An error in its column.
     #[error(transparent)]
     Column(#[from] ColumnError),
 }
@@ -190,29 +190,29 @@ pub enum SignalError {
 /// A column that the table does not have, or has several times.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ColumnError {
-    /// A place beyond the last one.
+    /// An index beyond the last column.
     #[error("column {place} of {count}, expected 1 to {count}")]
     Place {
-        /// What was given.
+        /// The index that was given.
         place: usize,
-        /// How many there are.
+        /// The number of columns.
         count: usize,
     },
-    /// There is no such name.
+    /// Unknown name.
     #[error(
         "no column '{name}' in the table{}, expected one of: {}",
         near.as_ref().map_or_else(String::new, |near| format!(" (is it '{near}'?)")),
         names.join(", ")
     )]
     Unknown {
-        /// What was given.
+        /// The name that was given.
         name: String,
-        /// What it may be a slip of.
+        /// A column that it may be a typing error of.
         near: Option<String>,
-        /// What there is.
+        /// The names that exist.
         names: Vec<String>,
     },
-    /// Several have that name.
+    /// Several columns have that name.
     #[error(
         "several columns are named '{name}', expected the place of one of them, as column = {} (they are {})",
         places.first().copied().unwrap_or(1),
@@ -221,7 +221,7 @@ pub enum ColumnError {
     Ambiguous {
         /// The name.
         name: String,
-        /// Their places, from 1.
+        /// Their indices, from 1.
         places: Vec<usize>,
     },
 }

@@ -1,4 +1,4 @@
-//! Any table of numbers as a flight, by a mapping file that says which column is what.
+//! Reads any table of numbers as a flight, by a mapping file that gives the meaning of the columns.
 //!
 //! The format is in docs/workbench.md. A value is the cell times `scale` plus `offset`, in `unit`; `held`
 //! columns repeat a sample in every row until the next one.
@@ -20,7 +20,7 @@ pub use document::Mapping;
 pub use error::{ColumnError, Fault, MappingError, SignalError, TableError};
 pub use table::{Cells, Layout, LoggedTable, MOST_COLUMNS};
 
-/// Imports a table from its bytes by a mapping of that name.
+/// Imports a table from its bytes by the mapping named `name`.
 ///
 /// # Errors
 /// [`Fault`].
@@ -32,7 +32,7 @@ pub fn import(log: &[u8], mapping: &Mapping, name: &str) -> Result<(Flight, Vec<
     apply::apply(&table, mapping, name)
 }
 
-/// Whether a log is a table that a mapping can be drafted for.
+/// Whether a log is a table for which a mapping can be drafted.
 #[must_use]
 pub fn is_table(log: &[u8]) -> bool {
     #[cfg(feature = "parquet")]
@@ -42,10 +42,10 @@ pub fn is_table(log: &[u8]) -> bool {
     Layout::find(log).is_some()
 }
 
-/// The table in a log; of a text with the layout that is made of the one found.
+/// The table in a log; text is read with the layout that `layout` makes of the detected one.
 ///
 /// # Errors
-/// [`Fault::Log`] for what is neither Parquet nor text; whatever `layout` refuses.
+/// [`Fault::Log`] for a log that is neither Parquet nor text; errors of `layout`.
 pub fn table(
     log: &[u8],
     layout: impl Fn(Option<Layout>) -> Result<Layout, Fault>,

@@ -1,8 +1,9 @@
-//! A log as columns of numbers, whatever program wrote it; how a text of separated values becomes one.
+//! Reads a log as columns of numbers, whatever program wrote it; splits a text of separated values into
+//! columns.
 
 use super::cell::{Cell, cell};
 
-/// What separates two cells.
+/// The separator between two cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Separator {
     /// One character.
@@ -12,7 +13,7 @@ pub enum Separator {
 }
 
 impl Separator {
-    /// By its name in a mapping file.
+    /// From its name in a mapping file.
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
             "," | "comma" => Some(Self::Char(b',')),
@@ -36,36 +37,37 @@ impl Separator {
     }
 }
 
-/// How a text is laid out.
+/// Layout of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Between two cells.
     pub separator: Separator,
-    /// Whether numbers are written as 12,5.
+    /// Whether numbers are written with a decimal comma, as 12,5.
     pub decimal_comma: bool,
-    /// The line of the columns' names, from 1; 0 if there is none.
+    /// Line number of the column names, from 1; 0 if there is none.
     pub names_line: usize,
-    /// The first line of values, from 1.
+    /// Line number of the first values, from 1.
     pub first_line: usize,
 }
 
 /// One column.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
-    /// Numbers; NaN where there is none. Times of day are seconds since midnight, dates seconds since 1970.
+    /// Numbers; NaN for a cell without one. Times of day are seconds since midnight, dates seconds since
+    /// 1970.
     pub values: Vec<f64>,
-    /// Cells that are numbers, times of day, dates and words.
+    /// Number of cells that are numbers.
     pub numbers: usize,
-    /// Times of day.
+    /// Number of times of day.
     pub clocks: usize,
-    /// Dates with their time.
+    /// Number of dates with their time.
     pub dates: usize,
-    /// What is neither.
+    /// Number of words.
     pub words: usize,
 }
 
 impl Cells {
-    /// Puts a cell into a row that has none yet.
+    /// Stores a cell in a row that has none yet.
     pub fn put(&mut self, row: usize, cell: Cell) {
         let (value, count) = match cell {
             Cell::Number(value) if value.is_finite() => (value, &mut self.numbers),
@@ -84,33 +86,33 @@ impl Cells {
 /// The columns of a log.
 #[derive(Clone, Debug)]
 pub struct LoggedTable {
-    /// How it is laid out, if it is text.
+    /// Its layout, if it is text.
     pub layout: Option<Layout>,
     /// Names of the columns; without a line of names "column 1" and so on.
     pub names: Vec<String>,
-    /// The unit that a line under the names says.
+    /// The units in a line under the names.
     pub units: Vec<String>,
     /// The columns.
     pub columns: Vec<Cells>,
-    /// The line of each row, from 1; of what is no text, the row's number.
+    /// Line number of each row, from 1; without text, the row's number.
     pub lines: Vec<usize>,
-    /// Lines behind the first that have another number of cells, or a quote that is never closed.
+    /// Lines after the first values that have another number of cells, or a quote that is never closed.
     pub unread: usize,
-    /// The first of them.
+    /// Line number of the first of them.
     pub first_unread: usize,
-    /// What else could not be read.
+    /// Notes on what else could not be read.
     pub notes: Vec<String>,
 }
 
-/// Lines of the beginning that decide how a text is laid out.
+/// Number of lines at the beginning that are used to detect the layout.
 const HEAD: usize = 400;
-/// More columns have no logs that anybody wrote.
+/// Largest number of columns of a plausible log.
 pub const MOST_COLUMNS: usize = 4_096;
 
-/// The lines of a text with their numbers, from 1, without those that are empty.
+/// The lines of a text with their numbers, from 1, without empty ones.
 fn lines(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    // Old programs end lines with a carriage return alone.
+    // Old programs end lines with only a carriage return.
     let end = if memchr::memchr(b'\n', text).is_some() { b'\n' } else { b'\r' };
     let numbered = text.split(move |byte| *byte == end).map(<[u8]>::trim_ascii).zip(1..);
     numbered.filter(|(line, _)| !line.is_empty()).map(|(line, number)| (number, line))
@@ -120,7 +122,7 @@ fn is_remark(line: &[u8]) -> bool {
     line.starts_with(b"#") || line.starts_with(b"%") || line.starts_with(b"//")
 }
 
-/// The cells of a line; `None` where a quote is never closed.
+/// The cells of a line; `None` if a quote is never closed.
 fn split(line: &[u8], separator: Separator) -> Option<Vec<&[u8]>> {
     let mut cells = Vec::new();
     let mut quoted = false;
@@ -150,7 +152,7 @@ fn unquoted(cell: &[u8]) -> &[u8] {
     inner.unwrap_or(cell).trim_ascii()
 }
 
-/// How many cells are values, and how many words; empty ones are neither.
+/// Number of cells that are values, and that are words; empty ones are neither.
 fn census(cells: &[&[u8]], decimal_comma: bool) -> (usize, usize) {
     let mut found = (0, 0);
     for text in cells {
@@ -164,10 +166,9 @@ fn census(cells: &[&[u8]], decimal_comma: bool) -> (usize, usize) {
 }
 
 impl Layout {
-    /// Finds out how a text is laid out; `None` if it is no table of at least two columns with numbers in
-    /// them.
+    /// Detects the layout of a text; `None` if it is not a table of at least two columns with numbers.
     pub fn find(text: &[u8]) -> Option<Self> {
-        // A table of numbers has no control characters beside tabs and line ends.
+        // A table of numbers has no control characters except tabs and line ends.
         let head = text.get(..65_536).unwrap_or(text);
         if head.iter().any(|byte| *byte < 9 || matches!(byte, 14..=26 | 28..=31)) {
             return None;
@@ -180,7 +181,7 @@ impl Layout {
             let split_rows: Vec<_> =
                 rows.iter().filter_map(|(number, line)| Some((*number, split(line, separator)?))).collect();
             let Some(width) = usual_width(&split_rows) else { continue };
-            // With semicolons between cells, a comma within one stands for the point.
+            // With semicolons between cells, a comma in a cell is a decimal comma.
             let decimal_comma = matches!(separator, Separator::Char(b';' | b'\t') | Separator::Spaces)
                 && split_rows.iter().flat_map(|(_, cells)| cells).any(|text| {
                     matches!(cell(unquoted(text), true), Cell::Number(_)) && text.contains(&b',')
@@ -199,7 +200,7 @@ impl Layout {
     }
 }
 
-/// The number of cells that most lines have, at least two.
+/// The number of cells in most lines, at least two.
 fn usual_width(rows: &[(usize, Vec<&[u8]>)]) -> Option<usize> {
     let mut widths: Vec<usize> = rows.iter().map(|(_, cells)| cells.len()).collect();
     widths.sort_unstable();
@@ -210,8 +211,8 @@ fn usual_width(rows: &[(usize, Vec<&[u8]>)]) -> Option<usize> {
     ((2..=MOST_COLUMNS).contains(&width) && count * 2 >= rows.len()).then_some(width)
 }
 
-/// The line of names above the first values: of several (names, then units) the upper one. A remark may hold
-/// them.
+/// The line of names above the first values: of several (names, then units) the upper one. It may be a
+/// remark.
 fn names_line(
     head: &[(usize, &[u8])],
     first_line: usize,
@@ -236,7 +237,7 @@ fn uncommented(line: &[u8]) -> &[u8] {
 }
 
 impl LoggedTable {
-    /// Reads a text that is laid out so.
+    /// Reads a text with this layout.
     pub fn read(text: &[u8], layout: Layout) -> Self {
         let Layout { separator, decimal_comma, names_line, first_line } = layout;
         let to_text = |cell: &[u8]| String::from_utf8_lossy(unquoted(cell)).into_owned();
@@ -284,7 +285,7 @@ impl LoggedTable {
     fn push(&mut self, number: usize, cells: Option<Vec<&[u8]>>, decimal_comma: bool) {
         let width = self.columns.len();
         let fits = |cells: &Vec<&[u8]>| {
-            // A separator too many at the end is some programs' habit.
+            // Some programs write an additional separator at the end.
             cells.len() >= width && cells.iter().skip(width).all(|cell| cell.trim_ascii().is_empty())
         };
         let Some(cells) = cells.filter(fits) else {
@@ -300,12 +301,12 @@ impl LoggedTable {
         }
     }
 
-    /// What users call one of its rows.
+    /// The word for one of its rows in messages.
     pub const fn row_name(&self) -> &'static str {
         if self.layout.is_some() { "line" } else { "row" }
     }
 
-    /// A column's values; none for a place that is not there.
+    /// A column's values; empty for an index that does not exist.
     pub fn values(&self, column: usize) -> &[f64] {
         self.columns.get(column).map_or(&[], |cells| &cells.values)
     }

@@ -1,7 +1,7 @@
 use super::super::{Fault, import};
 use super::*;
 
-/// Twenty rows a second; a position that moves north by 10 m/s and is new five times a second.
+/// Twenty rows a second; a position that moves north by 10 m/s and changes five times a second.
 fn log() -> String {
     let mut text = "Time,P,Alt,Lat,Lon,State\n".to_owned();
     for row in 0..200_i32 {
@@ -135,7 +135,7 @@ fn what_contradicts_is_refused_or_said_in_one_line() {
     );
     assert!(read("\0\0\0\0", MAPPING).unwrap_err().contains("it is not text"));
     assert!(read("", MAPPING).unwrap_err().contains("an empty file"));
-    // Nowhere is where a receiver without a fix is.
+    // Zero latitude and longitude is what a receiver without a fix reports.
     let nowhere = log().replacen(",47,8.5,", ",0,0,", 4);
     let (flight, notes) = read(&nowhere, MAPPING).unwrap();
     assert!(notes.iter().any(|note| note.contains("latitude 0 and longitude 0")), "{notes:?}");

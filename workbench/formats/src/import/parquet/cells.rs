@@ -1,4 +1,4 @@
-//! The cells of a Parquet file, column by column, group by group.
+//! Reads the cells of a Parquet file, column by column, group by group.
 
 use std::sync::Arc;
 
@@ -16,21 +16,21 @@ use super::pages;
 use crate::import::mapping::cell::{Cell, cell};
 use executor::contained::contained;
 
-/// Rows that are decoded at once.
+/// Rows decoded at once.
 const BATCH: usize = 8_192;
 const DAY_S: f64 = 86_400.0;
 
-/// A file whose end was read.
+/// A file whose footer was read.
 #[derive(Debug)]
 pub struct Cells<'a> {
     file: &'a [u8],
-    /// What its end says.
+    /// Content of the footer.
     pub footer: Footer<'a>,
     metadata: ParquetMetaData,
 }
 
 impl<'a> Cells<'a> {
-    /// Reads a file's end.
+    /// Reads a file's footer.
     ///
     /// # Errors
     /// [`ParquetError`].
@@ -45,10 +45,10 @@ impl<'a> Cells<'a> {
         Ok(Self { file, footer, metadata })
     }
 
-    /// Gives each cell of a column that has one, with its row. Numbers may be infinite or none (NaN).
+    /// Passes on each cell of a column that has a value, with its row. Numbers may be infinite or NaN.
     ///
     /// # Errors
-    /// Where it cannot be read, and why, by group of rows. The cells of the others are given.
+    /// The groups of rows that cannot be read, with the reason. The cells of the others are passed on.
     pub fn column(&self, place: usize, take: &mut dyn FnMut(usize, Cell)) -> Result<(), Vec<GroupError>> {
         let mut problems = Vec::new();
         let mut first_row = 0;
@@ -75,7 +75,7 @@ impl<'a> Cells<'a> {
             group.chunks.get(place).ok_or_else(gone)?.as_ref().map_err(|why| ChunkError::Damaged(why))?;
         let bytes = self.file.get(chunk.start..chunk.start + chunk.length).ok_or_else(gone)?;
         pages::check(bytes, leaf, chunk)?;
-        // The crate wants to own what it reads, a column of one group at a time.
+        // The crate must own the bytes it reads: they are copied, a column of one group at a time.
         let source = Source { start: chunk.start as u64, bytes: Bytes::copy_from_slice(bytes) };
         let read = contained(|| -> ParquetResult<usize> {
             let column = self.metadata.row_group(number).column(place);
@@ -129,7 +129,7 @@ impl ChunkReader for Source {
     }
 }
 
-/// Decodes a column of one group; returns how many rows it had.
+/// Decodes a column of one group and returns how many rows it had.
 fn read(
     reader: ColumnReader,
     leaf: &Leaf,
@@ -170,7 +170,7 @@ fn read(
     }
 }
 
-/// A whole number as what it means.
+/// Converts a whole number to the cell it represents.
 fn whole(kind: Kind, value: i64) -> Cell {
     match kind {
         Kind::Date => Cell::Date(value as f64 * DAY_S),
@@ -181,7 +181,7 @@ fn whole(kind: Kind, value: i64) -> Cell {
     }
 }
 
-/// Bytes as what they mean: a number that is written in them, or a text.
+/// Converts bytes to the cell they represent: a number written in them, or a text.
 fn bytes_cell(kind: Kind, bytes: &[u8]) -> Cell {
     match (kind, bytes) {
         (Kind::Half, [low, high]) => Cell::Number(half::f16::from_le_bytes([*low, *high]).to_f64()),
@@ -210,7 +210,7 @@ fn drain<T: DataType>(
         if read == 0 {
             break;
         }
-        // Without optional parts every row has a value, and no level is written.
+        // Without optional parts, every row has a value and no levels are written.
         let is_there = |place: usize| full == 0 || levels.get(place).is_some_and(|level| *level == full);
         let mut next = values.iter();
         for place in 0..read {

@@ -7,7 +7,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ParquetError {
-    /// The end is missing, where all that is in it is listed.
+    /// The footer, which lists the file's content, is missing.
     #[error(
         "Parquet that is cut off, or still being written: its end is missing, where its columns are listed; without it nothing \
          of it can be read, so copy or export it again"
@@ -21,7 +21,7 @@ pub enum ParquetError {
         "Parquet whose list of columns is damaged ({0}): nothing of it can be read, so copy or export it again"
     )]
     Footer(#[from] FooterError),
-    /// It says that it has more than there can be in so few bytes.
+    /// It declares more cells than so few bytes can hold.
     #[error(
         "Parquet of {bytes} bytes that says it has {rows} rows of {columns} columns, expected at most {most} cells in so few \
          bytes: it is damaged, or contains nothing but repetitions"
@@ -29,17 +29,17 @@ pub enum ParquetError {
     TooMany {
         /// The file's length.
         bytes: usize,
-        /// Rows that it says it has.
+        /// Rows that it declares.
         rows: i64,
         /// Columns.
         columns: usize,
-        /// Cells that it may have.
+        /// Largest possible number of cells.
         most: usize,
     },
-    /// There is no row, or no column that has one value a row.
+    /// There are no rows, or no column with one value a row.
     #[error("Parquet without a row of numbers, expected columns with a value a row")]
     Nothing,
-    /// A flight of Pylon's without what every flight has.
+    /// A flight of Pylon's that lacks a part which every flight has.
     #[error("Pylon's Parquet without {what}, expected a flight of 'pylon export FLIGHT --format parquet'")]
     NoFlight {
         /// What is missing.
@@ -47,7 +47,7 @@ pub enum ParquetError {
     },
 }
 
-/// What is wrong with a list of columns.
+/// What is wrong with a footer.
 #[derive(Debug, Error)]
 pub enum FooterError {
     /// It contradicts itself.
@@ -69,7 +69,7 @@ pub struct GroupError {
     pub first: usize,
     /// Its last row.
     pub last: usize,
-    /// Why.
+    /// The reason.
     #[source]
     pub why: ChunkError,
 }
@@ -83,26 +83,26 @@ pub enum ChunkError {
     /// They contradict themselves.
     #[error("{0}")]
     Damaged(&'static str),
-    /// They are compressed in a way that is not read.
+    /// Their compression is not supported.
     #[error("it is compressed by {found}, expected one of {known}")]
     Codec {
-        /// The way.
+        /// The compression.
         found: &'static str,
-        /// Those that are read, with commas between them.
+        /// Those that are supported, separated by commas.
         known: String,
     },
-    /// The values are encoded in a way that is not read.
+    /// The encoding of the values is not supported.
     #[error("its values are encoded in a way that is not read (number {0})")]
     Encoding(i64),
-    /// A page cannot have so many bytes.
+    /// A page cannot have this size.
     #[error("a page of {values} values is said to have {bytes} bytes")]
     PageSize {
         /// Its values.
         values: usize,
-        /// What it says.
+        /// The size that it declares, bytes.
         bytes: usize,
     },
-    /// There are fewer rows than the group has.
+    /// There are fewer rows than the group declares.
     #[error("it ends after {rows} of them")]
     Short {
         /// Rows.

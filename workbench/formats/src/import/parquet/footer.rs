@@ -1,34 +1,34 @@
-//! What is at a Parquet file's end: its columns, its groups of rows, and where in the file they are.
+//! The footer of a Parquet file: its columns, its groups of rows, and where in the file they are.
 
 use super::error::{FooterError, ParquetError};
 use super::thrift::{Reader, Value};
 
-/// What a Parquet file begins and ends with.
+/// First and last bytes of a Parquet file.
 pub const MAGIC: &[u8] = b"PAR1";
-/// What one begins or ends with whose footer is encrypted.
+/// The same of a file with an encrypted footer.
 const ENCRYPTED: &[u8] = b"PARE";
-/// Columns that a table may have: as in tables of text.
+/// Largest number of columns of a table: the same as for tables of text.
 const MOST_COLUMNS: usize = crate::import::mapping::MOST_COLUMNS;
-/// Cells that a byte can hold: a run of equal values, or of none, takes next to nothing, but a time of each
-/// row does not.
+/// Largest number of cells a byte: a run of equal or missing values takes next to no space, but a time for
+/// each row does.
 const CELLS_PER_BYTE: usize = 32;
-/// Cells that any file may have, however short: 8 MB as doubles.
+/// Number of cells that is always allowed, however short the file is: 8 MB as doubles.
 const FEW_CELLS: usize = 1 << 20;
-/// Groups within groups.
+/// Largest nesting of groups.
 const DEEPEST: usize = 16;
 
-/// What a column's numbers mean.
+/// Meaning of a column's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// Numbers, or words: what they are.
+    /// Numbers or words, as they are.
     Plain,
-    /// Whole numbers without a sign.
+    /// Unsigned whole numbers.
     Unsigned,
     /// Days since 1970.
     Date,
-    /// Times of day, in units of so many seconds.
+    /// Times of day, in units of this many seconds.
     Clock(f64),
-    /// Times since 1970, in units of so many seconds.
+    /// Times since 1970, in units of this many seconds.
     Stamp(f64),
     /// Whole numbers, in units of this.
     Decimal(f64),
@@ -39,39 +39,39 @@ pub enum Kind {
 /// A column.
 #[derive(Clone, Debug)]
 pub struct Leaf {
-    /// Its name; those of groups are before it, with points between.
+    /// Its name, preceded by those of its groups, separated by points.
     pub name: String,
-    /// What its numbers mean.
+    /// Meaning of its numbers.
     pub kind: Kind,
     /// Whether it has several values a row.
     pub is_repeated: bool,
-    /// Bytes that one of its values takes; none for texts.
+    /// Size of one of its values, bytes; `None` for texts.
     pub width: Option<usize>,
 }
 
-/// Where a column of one group of rows is.
+/// Position of a column of one group of rows.
 #[derive(Clone, Debug)]
 pub struct Chunk {
     /// Its first byte in the file.
     pub start: usize,
-    /// Its bytes.
+    /// Its length, bytes.
     pub length: usize,
-    /// Values, with those that are null.
+    /// Number of values, including nulls.
     pub values: usize,
-    /// How it is compressed, by the format's number.
+    /// Compression, by the format's number.
     pub codec: i64,
 }
 
-/// Rows that lie together.
+/// A group of rows.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// How many.
+    /// Number of rows.
     pub rows: usize,
-    /// Each column's place; why it has none.
+    /// Position of each column, or why it has none.
     pub chunks: Vec<Result<Chunk, &'static str>>,
 }
 
-/// A file's end.
+/// A file's footer.
 #[derive(Clone, Debug)]
 pub struct Footer<'a> {
     /// Its bytes.
@@ -80,13 +80,13 @@ pub struct Footer<'a> {
     pub leaves: Vec<Leaf>,
     /// The groups of rows.
     pub groups: Vec<Group>,
-    /// All rows.
+    /// Number of all rows.
     pub rows: usize,
-    /// What is said about the file.
+    /// The file's key-value metadata.
     pub keys: Vec<(String, String)>,
 }
 
-/// The bytes of the footer of a file that begins as Parquet does.
+/// The bytes of the footer of a file that begins as Parquet.
 fn bytes(file: &[u8]) -> Result<&[u8], ParquetError> {
     if file.starts_with(ENCRYPTED) || file.ends_with(ENCRYPTED) {
         return Err(ParquetError::Encrypted);
@@ -104,7 +104,7 @@ fn damaged(what: &'static str) -> ParquetError {
 }
 
 impl<'a> Footer<'a> {
-    /// Reads a file's end.
+    /// Reads a file's footer.
     ///
     /// # Errors
     /// [`ParquetError`].
@@ -118,7 +118,7 @@ impl<'a> Footer<'a> {
             let own =
                 group.int(3).filter(|own| *own >= 0).ok_or_else(|| damaged("a group without its rows"))?;
             rows = rows.saturating_add(own);
-            // Known to fit: checked before anything is made of it, below.
+            // Known to fit: checked below, before it is used.
             let own = usize::try_from(own).unwrap_or(usize::MAX);
             let columns = group.list(1);
             if columns.len() != leaves.len() {
@@ -142,11 +142,11 @@ impl<'a> Footer<'a> {
     }
 }
 
-/// A group of the schema whose columns are still to come.
+/// A group of the schema whose columns follow.
 struct Open {
     left: i64,
     is_repeated: bool,
-    /// Letters of the path before it.
+    /// Length of the path before it, bytes.
     path: usize,
 }
 
@@ -185,7 +185,7 @@ fn leaves(schema: &[Value<'_>]) -> Result<Vec<Leaf>, ParquetError> {
     if is_whole { Ok(leaves) } else { Err(wrong()) }
 }
 
-/// Bytes of a column's values, by the format's number of the physical type.
+/// Size of a column's values, bytes, by the format's number of the physical type.
 fn width(element: &Value<'_>) -> Option<usize> {
     match element.int(1)? {
         0 => Some(0),
@@ -197,7 +197,7 @@ fn width(element: &Value<'_>) -> Option<usize> {
     }
 }
 
-/// What a column's numbers mean: by its logical type, or the older converted one.
+/// Meaning of a column's numbers, by its logical type or the older converted one.
 fn kind(element: &Value<'_>) -> Kind {
     let per_unit = |time: &Value<'_>| match time.field(2) {
         Some(unit) if unit.field(1).is_some() => 1e-3,
@@ -205,7 +205,7 @@ fn kind(element: &Value<'_>) -> Kind {
         _ => 1e-6,
     };
     let decimal = || Kind::Decimal(10_f64.powi(-i32::try_from(element.int(7).unwrap_or(0)).unwrap_or(0)));
-    // Julian days and nanoseconds within them, as old programs write times.
+    // Julian days and nanoseconds within them: times written by old programs.
     if element.int(1) == Some(3) {
         return Kind::Stamp(1e-9);
     }
@@ -236,7 +236,7 @@ fn kind(element: &Value<'_>) -> Kind {
     }
 }
 
-/// Where a column of one group is; `end` is behind the file's last byte that can be of one.
+/// Position of a column of one group; `end` is the end of the bytes that can belong to a column.
 fn chunk(column: &Value<'_>, end: usize, rows: usize) -> Result<Chunk, &'static str> {
     if column.text(1).is_some() {
         return Err("it is in another file");

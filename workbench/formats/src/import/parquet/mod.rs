@@ -1,8 +1,9 @@
-//! Apache Parquet (<https://parquet.apache.org/docs/file-format/>): a flight that `pylon export` wrote, as it
-//! was; of anybody else a table that a mapping says the meaning of ([`super::mapping`]).
+//! Apache Parquet (<https://parquet.apache.org/docs/file-format/>): a flight written by `pylon export` is
+//! read back unchanged; a file of another program is a table whose meaning a mapping gives
+//! ([`super::mapping`]).
 //!
-//! The `parquet` crate decodes the pages. It trusts a file's sizes, and panics on some that are wrong: what
-//! it takes room for is checked before, and what it panics on costs one column of one group of rows.
+//! The `parquet` crate decodes the pages. It trusts a file's sizes, and panics on some wrong ones. Sizes that
+//! it allocates are checked before, and a panic costs only one column of one group of rows.
 
 mod cells;
 mod error;
@@ -24,20 +25,20 @@ use flight_data::{Column, Flight, MAX_TIME_S, Note};
 use error::GroupError;
 pub use error::{FooterError, ParquetError};
 
-/// The key of the file's metadata that says whose it is.
+/// Key of the file's metadata that marks a flight of Pylon's.
 const OWN: &str = "pylon-flight";
 
 /// The importer of Pylon's own Parquet.
 #[derive(Clone, Copy, Debug)]
 pub struct Parquet;
 
-/// Whether these bytes begin as a Parquet file does.
+/// Whether these bytes begin as a Parquet file.
 #[must_use]
 pub fn is_parquet(log: &[u8]) -> bool {
     log.starts_with(MAGIC) || log.starts_with(b"PARE")
 }
 
-/// Whether that is one whose end is missing.
+/// Whether this is a Parquet file without its footer.
 #[must_use]
 pub fn is_cut(log: &[u8]) -> bool {
     log.starts_with(MAGIC) && !log.ends_with(MAGIC)
@@ -49,7 +50,7 @@ impl Importer for Parquet {
     }
 
     fn recognises(&self, log: &[u8]) -> bool {
-        // Its metadata is at its end, and no page of Pylon's has texts.
+        // The metadata is at the end of the file, and no page of Pylon's contains text.
         is_parquet(log) && memchr::memmem::rfind(log, OWN.as_bytes()).is_some()
     }
 
@@ -75,7 +76,7 @@ fn flight(log: &[u8]) -> Result<(Flight, Vec<Note>), ParquetError> {
         }
     });
     problems.extend(said("time_s", read));
-    // A flight's times may repeat or run backward; its reader says so.
+    // A flight's times may repeat or run backward; its reader reports it.
     let has_time = |time: &f64| (0.0..=MAX_TIME_S).contains(time);
     let places: Vec<Option<usize>> = times
         .iter()
@@ -119,7 +120,7 @@ fn said(name: &str, read: Result<(), Vec<GroupError>>) -> Option<String> {
     Some(format!("damaged: column '{name}' could not be read: {}{more}; left empty there", problems.first()?))
 }
 
-/// The table that is in a Parquet file; what of it could not be read is among its notes.
+/// The table in a Parquet file; its notes report what could not be read.
 ///
 /// # Errors
 /// [`ParquetError`].

@@ -1,23 +1,23 @@
-//! What the pages of a column say about themselves, before the `parquet` crate takes room for it.
+//! Checks the sizes in a column's pages before the `parquet` crate allocates memory for them.
 
 use super::error::ChunkError;
 use super::footer::{Chunk, Leaf};
 use super::thrift::Reader;
 
-/// How a page can be compressed, by the format's numbers: of these the crate takes no more room than the page
-/// says.
+/// Supported compressions, by the format's numbers: for these the crate allocates no more memory than the
+/// page declares.
 const CODECS: [(i64, &str); 4] = [(0, "none"), (1, "snappy"), (6, "zstd"), (7, "lz4")];
-/// All of the format's, for telling.
+/// All compressions of the format, for messages.
 const CODEC_NAMES: [&str; 8] = ["none", "snappy", "gzip", "lzo", "brotli", "lz4 (old)", "zstd", "lz4"];
-/// Encodings that are read, by the format's numbers: plain, dictionaries (old and new), runs, differences of
-/// whole numbers, split bytes. Those of texts by their common beginnings can grow without a bound.
+/// Supported encodings, by the format's numbers: plain, dictionaries (old and new), runs, differences of
+/// whole numbers, split bytes. Encodings of texts by common prefixes can grow without a bound.
 const ENCODINGS: [i64; 6] = [0, 2, 3, 5, 8, 9];
-/// Bytes that a page's words may have each, on the average.
+/// Largest mean size of a page's words, bytes.
 const WORD: usize = 64;
-/// What a page has beside its values.
+/// Largest size of a page apart from its values, bytes.
 const PAGE_HEAD: usize = 1 << 16;
 
-/// Whether the pages of a column are within its bytes, and as long as so many values can be.
+/// Checks that the pages of a column are within its bytes, and that their size suits their number of values.
 ///
 /// # Errors
 /// [`ChunkError`].
@@ -57,7 +57,7 @@ pub fn check(bytes: &[u8], leaf: &Leaf, chunk: &Chunk) -> Result<(), ChunkError>
         if values > if is_dictionary { chunk.values } else { left } {
             return Err(ChunkError::Damaged("a page has more values than the column"));
         }
-        // A dictionary has all of its values written out, each text behind its length in four bytes.
+        // A dictionary contains all of its values in full, each text preceded by its length in four bytes.
         let least = if is_dictionary { values.saturating_mul(leaf.width.unwrap_or(4)) } else { 0 };
         let each = leaf.width.map_or(WORD, |width| 2 * width + 8);
         if whole < least || whole > PAGE_HEAD.saturating_add(values.saturating_mul(each)) {

@@ -12,7 +12,7 @@ fn exported() -> Vec<u8> {
     bytes
 }
 
-/// Where the footer begins.
+/// Start of the footer.
 fn footer(file: &[u8]) -> usize {
     let length = u32::from_le_bytes(file[file.len() - 8..file.len() - 4].try_into().unwrap());
     file.len() - 8 - length as usize
@@ -55,7 +55,7 @@ fn a_page_that_says_more_than_it_has_is_refused_before_room_is_taken_for_it() {
     let leaf =
         footer::Leaf { name: "x".to_owned(), kind: footer::Kind::Plain, is_repeated: false, width: Some(8) };
     let chunk = |values, codec| footer::Chunk { start: 4, length: 0, values, codec };
-    // Fields 1 (kind), 2 (whole), 3 (packed), 5 (a data page: values, encoding plain).
+    // Fields 1 (kind), 2 (whole size), 3 (packed size), 5 (a data page: values, plain encoding).
     let page = |whole: &[u8], values: &[u8]| {
         [&[0x15, 0, 0x15][..], whole, &[0x15, 0x10, 0x2c, 0x15], values, &[0x15, 0, 0, 0], &[0; 8]].concat()
     };
@@ -66,7 +66,7 @@ fn a_page_that_says_more_than_it_has_is_refused_before_room_is_taken_for_it() {
         let error = pages::check(bytes, &leaf, &chunk(values, codec)).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     };
-    // A page of one number that unpacks to a gigabyte.
+    // A page of one number that decompresses to a gigabyte.
     refused(
         &page(&[0x80, 0x80, 0x80, 0x80, 8], &[2]),
         1,

@@ -1,18 +1,17 @@
-//! Thrift's compact protocol
-//! (<https://github.com/apache/thrift/blob/master/doc/specs/thrift-compact-protocol.md>), in which Parquet
-//! says what is where, as a tree of values.
+//! Reads Thrift's compact protocol
+//! (<https://github.com/apache/thrift/blob/master/doc/specs/thrift-compact-protocol.md>), in which Parquet's
+//! metadata are written, as a tree of values.
 //!
-//! The `parquet` crate reads it too, but takes room for as many things as a list says that it has. Here a
-//! list has at most as many things as there are bytes left, so the tree is bounded by the bytes that it is
-//! made of.
+//! The `parquet` crate reads it too, but allocates as many items as a list declares. Here a list has at most
+//! as many items as there are bytes left, so the tree is bounded by the number of bytes.
 
-/// Structures within structures. Parquet's own go seven deep.
+/// Largest nesting of structures. Parquet's own are nested seven deep.
 const DEEPEST: usize = 16;
 
 /// One value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value<'a> {
-    /// Any whole number, or 0 and 1 for false and true.
+    /// Any whole number; 0 and 1 for false and true.
     Int(i64),
     /// Text, or bytes.
     Bytes(&'a [u8]),
@@ -20,7 +19,7 @@ pub enum Value<'a> {
     List(Vec<Value<'a>>),
     /// Fields by their numbers.
     Struct(Vec<(i16, Value<'a>)>),
-    /// What Parquet has no need of here: doubles, maps.
+    /// Types that Parquet does not need here: doubles, maps.
     Other,
 }
 
@@ -36,41 +35,41 @@ impl<'a> Value<'a> {
         if let Some(Value::Int(value)) = self.field(number) { Some(*value) } else { None }
     }
 
-    /// A field that is a text; what is not UTF-8 in it is replaced.
+    /// A field that is a text; invalid UTF-8 is replaced.
     pub fn text(&self, number: i16) -> Option<String> {
         let Some(Value::Bytes(bytes)) = self.field(number) else { return None };
         Some(String::from_utf8_lossy(bytes).into_owned())
     }
 
-    /// A field that is a list; without it, an empty one.
+    /// A field that is a list; empty if it is missing.
     pub fn list(&self, number: i16) -> &[Value<'a>] {
         if let Some(Value::List(values)) = self.field(number) { values } else { &[] }
     }
 }
 
-/// Bytes that are yet to be read.
+/// The bytes not yet read.
 #[derive(Clone, Copy, Debug)]
 pub struct Reader<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Reader<'a> {
-    /// Of bytes.
+    /// From bytes.
     pub const fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes }
     }
 
-    /// Bytes that are left.
+    /// Number of bytes left.
     pub const fn left(&self) -> usize {
         self.rest.len()
     }
 
-    /// A structure; `None` where the bytes are none.
+    /// Reads a structure; `None` if the bytes are not one.
     pub fn structure(&mut self) -> Option<Value<'a>> {
         self.structure_at(0)
     }
 
-    /// Goes on behind so many bytes, or to the end.
+    /// Skips `length` bytes, or to the end.
     pub fn skip(&mut self, length: usize) {
         self.rest = self.rest.get(length..).unwrap_or_default();
     }
@@ -120,7 +119,7 @@ impl<'a> Reader<'a> {
                 step => number.checked_add(i16::from(step))?,
             };
             let value = match head & 0x0f {
-                // Of a field, whether it is true is in the head.
+                // The head of a field contains whether it is true.
                 1 => Value::Int(1),
                 2 => Value::Int(0),
                 kind => self.value(kind, depth)?,
@@ -185,7 +184,7 @@ mod tests {
 
     #[test]
     fn what_says_that_it_is_longer_than_it_is_is_refused() {
-        // A list of 2^31 structures; a text of 2^31 bytes; structures within structures without an end.
+        // A list of 2^31 structures; a text of 2^31 bytes; structures nested without end.
         assert_eq!(Reader::new(&[0x19, 0xfc, 0x80, 0x80, 0x80, 0x80, 8, 0, 0]).structure(), None);
         assert_eq!(Reader::new(&[0x18, 0x80, 0x80, 0x80, 0x80, 8, 0]).structure(), None);
         assert_eq!(Reader::new(&[0x1c; 100_000]).structure(), None);

@@ -1,4 +1,4 @@
-//! From a recording to a flight, and to what there is to say about it.
+//! Converts a recording to a flight and the notes on it.
 
 use kf_core::output::TickOutput;
 use kf_core::quality::{Check, FailedChecks};
@@ -10,10 +10,10 @@ use super::recording::{AsFlown, Begins, CHANNELS, Left, Recording, Started};
 use crate::import::ImportError;
 use flight_data::{Channel, Flight, Header, Note};
 
-/// Two ticks that are farther apart than this many of the usual intervals have others between them.
+/// Ticks are missing between two that are farther apart than this many of the usual intervals.
 const GAP_INTERVALS: f64 = 1.5;
 
-/// Why there is no flight in a record.
+/// Why a record contains no flight.
 pub fn without_ticks(begins: &Begins, losses: &Losses) -> ImportError {
     let report = begins.reports.last();
     let said = match (report, &begins.header) {
@@ -27,7 +27,7 @@ pub fn without_ticks(begins: &Begins, losses: &Losses) -> ImportError {
     ImportError::NoTick { frames, damaged, undecodable, said }
 }
 
-/// The flight, and its notes: first what was lost.
+/// The flight and its notes, beginning with what was lost.
 pub fn convert(
     recording: Recording,
     left: Left,
@@ -59,7 +59,7 @@ fn seconds(time_us: u64) -> f64 {
     time_us as f64 / 1e6
 }
 
-/// The header: where it comes from, what was lost, and the calibration as flown.
+/// The header: the source, what was lost, and the calibration as flown.
 fn header(recording: &Recording, losses: &Losses) -> Header {
     let source = match (recording.is_inputs(), recording.is_on_chips()) {
         (true, _) => "imported flight record (inputs for a flight computer)",
@@ -94,7 +94,7 @@ fn restarts(recording: &Recording) -> usize {
     recording.starts.iter().filter(|started| started.row > 0).count()
 }
 
-/// What the flight computer made of the flight, as keys of the header.
+/// The flight computer's own results, as keys of the header.
 fn as_flown(as_flown: &AsFlown, key: &mut impl FnMut(&str, String)) {
     let launch_s = as_flown.launch.as_ref().map(|tick| seconds(tick.time_us));
     if let Some(launch_s) = launch_s {
@@ -210,7 +210,7 @@ impl Notes {
         }
     }
 
-    /// Ticks that are missing by their times, but for those of a restart.
+    /// Notes ticks that are missing by their times, except those of a restart.
     fn gaps(&mut self, recording: &Recording) {
         let times = &recording.time_us;
         let interval = |row: usize| Some(times.get(row)?.saturating_sub(*times.get(row.checked_sub(1)?)?));
@@ -279,7 +279,7 @@ impl Notes {
     }
 }
 
-/// What a restart means for a comparison, which knows of none.
+/// Effect of a restart on a comparison, which does not know about restarts.
 fn afterwards(report: Option<&RestartReport>, after_s: f64) -> String {
     match report.map(|report| report.start) {
         Some(Start::Captive) => format!(

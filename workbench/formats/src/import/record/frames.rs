@@ -1,29 +1,29 @@
-//! The frames of a recorded line, whatever lies between them.
+//! Finds the frames of a recorded line, whatever lies between them.
 //!
-//! A line is recorded as it comes: from its middle on, with bytes lost and flipped, and over resets of its
-//! sender, which tear the frame that was being sent. So frames are looked for between zeros one by one, and
-//! how they follow each other is judged here, where the decoder of a whole stream would refuse all that comes
-//! after a header that was lost.
+//! A line is recorded as it arrives: starting in the middle, with bytes lost and flipped, and across resets
+//! of its sender, which cut the frame being sent. So each stretch between zeros is decoded on its own, and
+//! the order of the frames is judged here: the decoder of a whole stream would refuse everything after a lost
+//! header.
 
 use flight_record::{Decoder, FORMAT_VERSION, Frame, FrameError, Header, Kind, MAGIC, Summary, TickRecord};
 use kf_core::input::TickInput;
 use kf_core::latch::LatchRecord;
 use survival::RestartReport;
 
-/// What a header's frame is stuffed to up to its magic: kind 1 and the number 0, whose zeros are replaced,
-/// and the code of what follows.
+/// Bytes of a stuffed header frame before its magic: kind 1 and the number 0, whose zeros are replaced, and
+/// the code of the bytes that follow.
 const BEFORE_MAGIC: usize = 6;
 
-/// What a line says.
+/// The content of a line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// A stream begins: the first, or after a reset of its sender.
     Header(Header),
-    /// One begins whose header was lost: frames are numbered from the beginning again.
+    /// A stream begins whose header was lost: frames are numbered from the beginning again.
     HeaderLost,
-    /// What a tick saw and said.
+    /// Input and output of a tick.
     Tick(Box<TickRecord>),
-    /// What a tick is to see: of a stream of inputs.
+    /// Input of a tick, in a stream of inputs.
     Input(Box<TickInput>),
     /// The calibration, after the tick that latched it.
     Latch(Box<LatchRecord>),
@@ -31,45 +31,45 @@ pub enum Event {
     Restart(Box<RestartReport>),
     /// A fault of a chip, in a stream of inputs.
     ChipFault,
-    /// The end of a stream of inputs, and how many it says there were.
+    /// The end of a stream of inputs, and the number of inputs that it gives.
     End(u32),
     /// The end of a stream of results.
     Summary(Box<Summary>),
 }
 
-/// What of a line is no event.
+/// The parts of a line that are not events.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
     /// Frames that were read.
     pub frames: usize,
-    /// Stretches between two zeros that are no frame: torn, flipped, or of something else.
+    /// Stretches between two zeros that are not a frame: cut, damaged, or of something else.
     pub damaged: usize,
-    /// Bytes of those.
+    /// Bytes in those stretches.
     pub damaged_bytes: usize,
-    /// Frames whose check is right, and whose content is not what their kind should have.
+    /// Frames whose CRC is right, but whose content does not match their kind.
     pub undecodable: usize,
-    /// Frames of a kind that this version does not know.
+    /// Frames of a kind unknown to this version.
     pub unknown: usize,
     /// Frames that came twice.
     pub repeated: usize,
-    /// Frames that are missing between those that came, by their numbers.
+    /// Frames that are missing between those received, by their numbers.
     pub missing: u64,
-    /// The first frame is not the first of its stream.
+    /// Whether the first frame is not the first of its stream.
     pub begins_in_the_middle: bool,
-    /// The last bytes are a frame's without its end.
+    /// Whether the last bytes are the beginning of a frame.
     pub is_cut: bool,
 }
 
-/// A header of a version that this program does not read.
+/// A header of a version that this program cannot read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OtherVersion(pub u16);
 
-/// Whether there is one frame with a right check.
+/// Whether there is a frame with a right CRC.
 pub fn has_frame(log: &[u8]) -> bool {
     stretches(log).any(|stretch| with_frame(stretch, |_| ()).is_ok())
 }
 
-/// Shows every event of a line.
+/// Passes on every event of a line.
 ///
 /// # Errors
 /// [`OtherVersion`].
@@ -82,13 +82,13 @@ pub fn read(log: &[u8], on_event: &mut dyn FnMut(Event)) -> Result<Losses, Other
     reader.version.map_or(Ok(reader.losses), |version| Err(OtherVersion(version)))
 }
 
-/// What lies between zeros, if there is anything.
+/// The non-empty stretches between zeros.
 fn stretches(log: &[u8]) -> impl Iterator<Item = &[u8]> {
     log.split_inclusive(|byte| *byte == 0).filter(|stretch| *stretch != [0])
 }
 
-/// Calls `take` with the frame that a stretch is. A decoder of its own for each: what came before is no
-/// concern of it.
+/// Calls `take` with the frame in a stretch. Each stretch has its own decoder, so that it does not depend on
+/// what came before.
 fn with_frame<T>(stretch: &[u8], take: impl FnOnce(&Frame<'_>) -> T) -> Result<T, FrameError> {
     let mut decoder = Decoder::new();
     let (last, bytes) = stretch.split_last().ok_or(FrameError::TooShort)?;
@@ -98,7 +98,7 @@ fn with_frame<T>(stretch: &[u8], take: impl FnOnce(&Frame<'_>) -> T) -> Result<T
     decoder.push(*last)?.map(|frame| take(&frame)).ok_or(FrameError::TooShort)
 }
 
-/// A frame's number, and what it says.
+/// A frame's number and content.
 type Numbered = (u32, Content);
 
 enum Content {
@@ -129,7 +129,7 @@ struct Reader<'a> {
     losses: Losses,
     /// The number of the next frame.
     next: Option<u32>,
-    /// Of the first header of another version.
+    /// Version in the first header of another version.
     version: Option<u16>,
     on_event: &'a mut dyn FnMut(Event),
 }
@@ -140,7 +140,7 @@ impl Reader<'_> {
             Ok(numbered) => self.take_frame(numbered),
             Err(FrameError::Kind(_)) => self.losses.unknown += 1,
             Err(_) => {
-                // The header of a sender that was reset while it sent is glued to the frame that was torn.
+                // If a sender was reset while sending, its header directly follows the frame that was cut.
                 let header = memchr::memmem::rfind(stretch, &MAGIC)
                     .and_then(|magic| magic.checked_sub(BEFORE_MAGIC))
                     .and_then(|start| stretch.split_at_checked(start))

@@ -1,20 +1,20 @@
-//! Flight records: what a flight computer sends on its results' line (docs/bring-up.md says how to record
-//! it), and what `pylon fly` gives one to fly.
+//! Flight records: what a flight computer sends on its results line (docs/bring-up.md explains how to record
+//! it), and what `pylon fly` gives it to fly.
 //!
 //! | in the record | in the flight |
 //! |---|---|
 //! | each tick's readings, as the drivers delivered them | the columns of the same name, at the tick's time |
-//! | `imu_slave`, as the flight computer's strapdown channel made it | `imu_slave_alt_m`: `compare` does not make it anew |
+//! | `imu_slave`, as flown by the strapdown channel | `imu_slave_alt_m`; `compare` does not recompute it |
 //! | the launch as decided, and its doubt | `launch`, `launch_doubt` |
 //! | the receiver's time of a fix | `gps_time_s`, from the first fix on |
-//! | the latched calibration, the launch, the flags | header keys `flown_*`, beside which `compare` can be held |
-//! | everything else that was estimated | nothing: a flight is what was measured |
+//! | the latched calibration, the launch, the flags | header keys `flown_*`, to check `compare` against |
+//! | all other estimates | left out: a flight contains what was measured |
 //!
-//! Every number is written with the digits that give the same `f32` back, and times to the microsecond, so
-//! that a mission of the same model makes of the flight what the flight computer made of it, to the bit: same
-//! biases, same flags at the same ticks. It does not where the flight computer was reset: `compare` flies
-//! through, and what differs is said in a note. Only the times of fixes have less resolution than the
-//! record's (24 bits), and serve to tell a held fix from a new one alone.
+//! Every number is written with the digits that give the same `f32` back, and times to the microsecond. A
+//! mission of the same model therefore computes from the flight what the flight computer did, to the bit:
+//! same biases, same flags at the same ticks. This does not hold where the flight computer was reset:
+//! `compare` flies on, and a note reports what differs. Only the times of fixes have less resolution than in
+//! the record (24 bits); they only serve to distinguish a held fix from a new one.
 
 mod convert;
 mod frames;
@@ -36,7 +36,7 @@ impl Importer for Record {
     }
 
     fn recognises(&self, log: &[u8]) -> bool {
-        // One frame, anywhere: 32 bits of check are enough, and what lies before it may be any garbage.
+        // One frame anywhere is enough with a 32-bit CRC; the bytes before it may be anything.
         frames::has_frame(log)
     }
 

@@ -1,4 +1,5 @@
-//! From a line's events to flights: which ticks belong together, and what the flight computer made of them.
+//! Groups a line's events into flights: which ticks belong together, and what the flight computer made of
+//! them.
 
 use flight_record::{Header, SensorSource, Stream, Summary};
 use kf_core::input::{BaroReading, LaunchDoubt, TickInput};
@@ -40,8 +41,8 @@ pub const CHANNELS: [Channel; 26] = [
     Channel::GpsTimeS,
 ];
 
-/// Receiver's times are kept as `f32`, which holds the 0.05 s between two fixes up to here, seconds; the
-/// flight's file refuses larger ones.
+/// Largest time of a fix, seconds: receiver times are kept as `f32`, which resolves the 0.05 s between two
+/// fixes up to here; the flight's file refuses larger ones.
 const MAX_FIX_TIME_S: f64 = 1_048_576.0;
 
 /// A start of the flight computer within a flight, or at its beginning.
@@ -49,20 +50,20 @@ const MAX_FIX_TIME_S: f64 = 1_048_576.0;
 pub struct Started {
     /// The first row after it.
     pub row: usize,
-    /// What the flight computer said of it; `None` where that was lost.
+    /// The flight computer's report of it; `None` if it was lost.
     pub report: Option<RestartReport>,
 }
 
-/// What the flight computer itself made of a flight.
+/// The flight computer's own results of a flight.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AsFlown {
     /// The latched calibration.
     pub latch: Option<LatchRecord>,
-    /// The first tick of free flight: the launch is decided.
+    /// The first tick of free flight, at which the launch is decided.
     pub launch: Option<TickOutput>,
-    /// When each sensor first was doubtful or worse, microseconds.
+    /// Time at which each sensor first was doubtful or worse, microseconds.
     pub doubtful_us: [Option<u64>; SENSORS],
-    /// When it first was untrustworthy.
+    /// Time at which it first was untrustworthy, microseconds.
     pub untrustworthy_us: [Option<u64>; SENSORS],
 }
 
@@ -73,33 +74,33 @@ pub struct Recording {
     pub header: Option<Header>,
     /// Time of each tick, microseconds.
     pub time_us: Vec<u64>,
-    /// One a channel of [`CHANNELS`].
+    /// One column for each of [`CHANNELS`].
     pub columns: Vec<Column>,
-    /// The launch discrete, where it changes.
+    /// The launch discrete, at its changes.
     pub launch: Column,
-    /// What stands behind it, where that changes.
+    /// The doubt about it, at its changes.
     pub doubt: Column,
-    /// Whether that ever was anything but nothing.
+    /// Whether there ever was a doubt.
     pub has_doubt: bool,
     /// Starts of the flight computer.
     pub starts: Vec<Started>,
-    /// What it made of the flight.
+    /// The flight computer's own results.
     pub as_flown: AsFlown,
-    /// Ticks with what they said: the others are inputs only.
+    /// Ticks with results; the others are inputs only.
     pub outputs: usize,
-    /// Faults of chips that the inputs are to be flown with.
+    /// Faults of chips planned for the flight of these inputs.
     pub chip_faults: usize,
-    /// How many inputs there should be.
+    /// Number of inputs given at the end of the stream.
     pub promised_inputs: Option<u32>,
-    /// What was counted at the end.
+    /// The counters at the end.
     pub summary: Option<Box<Summary>>,
-    /// Times of fixes that no flight's file can hold.
+    /// Number of fixes whose time a flight's file cannot hold.
     pub fix_times_left_out: usize,
     first_fix_us: Option<u64>,
     last: Option<(bool, LaunchDoubt)>,
 }
 
-/// The number of a doubt in a flight's file.
+/// The number for a doubt in a flight's file.
 pub const fn doubt_number(doubt: LaunchDoubt) -> f32 {
     match doubt {
         LaunchDoubt::None => 0.0,
@@ -108,8 +109,8 @@ pub const fn doubt_number(doubt: LaunchDoubt) -> f32 {
     }
 }
 
-/// Every cell of a tick but the time of its fix. The patterns name every field, so that a new one cannot be
-/// forgotten here.
+/// Every cell of a tick except the time of its fix. The patterns name every field, so that a new one cannot
+/// be forgotten here.
 fn cells(input: &TickInput) -> [Option<f32>; CHANNELS.len() - 1] {
     let TickInput {
         time_us: _,
@@ -121,7 +122,7 @@ fn cells(input: &TickInput) -> [Option<f32>; CHANNELS.len() - 1] {
         imu_slave_altitude_m,
         imu,
         signals,
-        // No flight computer has any.
+        // A flight computer has none.
         columns: _,
     } = input;
     let kf_core::input::Signals {
@@ -179,12 +180,12 @@ impl Recording {
         Self { header, columns: vec![Column::default(); CHANNELS.len()], ..Self::default() }
     }
 
-    /// Whether its readings came through chips and drivers: those of a board, or of models.
+    /// Whether its readings passed through chips and drivers: a board's, or models of them.
     pub fn is_on_chips(&self) -> bool {
         self.header.is_some_and(|header| header.sensors == SensorSource::Chips)
     }
 
-    /// Whether it is what a flight computer is to fly, and not what one has flown.
+    /// Whether it is the input of a flight computer, and not what one has flown.
     pub fn is_inputs(&self) -> bool {
         self.header.map_or(self.outputs == 0, |header| header.stream == Stream::Inputs)
     }
@@ -203,7 +204,7 @@ impl Recording {
         self.has_doubt |= doubt != LaunchDoubt::None;
     }
 
-    /// Seconds from the first fix's time, by the receiver's clock, to this one's.
+    /// Seconds from the first fix to this one, by the receiver's clock.
     fn fix_time_s(&mut self, input: &TickInput) -> Option<f32> {
         let time_us = input.gps?.fix_time_us?;
         let first_us = *self.first_fix_us.get_or_insert(time_us);
@@ -234,17 +235,18 @@ impl Recording {
     }
 }
 
-/// The flights of a line: a start of the flight computer that goes on with its clock goes on with the flight.
+/// The flights of a line: a start of the flight computer that continues with the same clock continues the
+/// flight.
 #[derive(Debug, Default)]
 pub struct Recordings {
     current: Recording,
     /// A header, or a restart's report, since the last tick.
     begun: Option<Begun>,
     longest: Option<Recording>,
-    /// Flights, and their ticks.
+    /// Number of flights.
     pub flights: usize,
     ticks: usize,
-    /// Ticks at a time that no flight's file can hold.
+    /// Ticks whose time a flight's file cannot hold.
     pub impossible_times: usize,
 }
 
@@ -255,7 +257,7 @@ struct Begun {
 }
 
 impl Recordings {
-    /// Takes what comes next.
+    /// Adds the next event.
     pub fn take(&mut self, event: Event) {
         match event {
             Event::Header(header) => self.begun.get_or_insert_default().header = Some(header),
@@ -294,7 +296,7 @@ impl Recordings {
         true
     }
 
-    /// The first tick after a start is at this time.
+    /// Begins after a start, with the first tick at this time.
     fn begin(&mut self, begun: Begun, time_us: u64) {
         let is_cold = begun.reports.iter().any(|report| report.start == Start::Cold);
         let model = |header: &Option<Header>| header.map(|header| header.model);
@@ -333,13 +335,13 @@ impl Recordings {
         }
     }
 
-    /// The longest flight, and how many ticks the others have.
+    /// The longest flight, and what was left out.
     pub fn longest(mut self) -> Result<(Recording, Left), Box<Begins>> {
         if let Some(begun) = self.begun.take() {
             if self.current.time_us.is_empty() && self.flights == 0 {
                 return Err(Box::new(Begins { header: begun.header, reports: begun.reports }));
             }
-            // It started, and not one tick followed: standby.
+            // It started and no tick followed: standby.
             self.started(begun.reports, false);
         }
         self.finish();
@@ -356,11 +358,11 @@ impl Recordings {
 /// What is not part of the longest flight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Left {
-    /// Other flights.
+    /// Number of other flights.
     pub flights: usize,
     /// Their ticks.
     pub ticks: usize,
-    /// Ticks at a time that no flight's file can hold.
+    /// Ticks whose time a flight's file cannot hold.
     pub impossible_times: usize,
 }
 
@@ -369,6 +371,6 @@ pub struct Left {
 pub struct Begins {
     /// Its header, if it has one.
     pub header: Option<Header>,
-    /// What the flight computer said at its start.
+    /// The flight computer's reports at its start.
     pub reports: Vec<RestartReport>,
 }

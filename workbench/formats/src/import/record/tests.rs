@@ -102,7 +102,7 @@ fn restart(start: Start, resumed_us: u64) -> RestartReport {
     }
 }
 
-/// A line as it is sent, frame by frame.
+/// A line as sent, frame by frame.
 #[derive(Default)]
 struct Line {
     encoder: Encoder,
@@ -115,7 +115,7 @@ impl Line {
         self.frames.push(self.encoder.encode(payload, &mut buffer).unwrap().to_vec());
     }
 
-    /// The sender starts, as the firmware's does: frames are numbered from 0 on.
+    /// The sender starts as the firmware does: frames are numbered from 0.
     fn start(&mut self) {
         self.encoder = Encoder::new();
         self.send(&Header::new(Stream::Outputs, 0xabcd, SensorSource::Chips));
@@ -167,7 +167,7 @@ fn every_number_of_a_record_is_in_the_flight_and_comes_back_from_its_text() {
     let mut text = Vec::new();
     to_writer(&mut text, &flight).unwrap();
     let (read, _) = parse(&text).unwrap();
-    // The ticks of the file are the ticks of the record: only the fix's time is counted from the first.
+    // The ticks of the file equal those of the record; only the fix's time is counted from the first fix.
     let replayed = replay::Replay::new(&read, &model::Model::default(), None).unwrap();
     let ticks: Vec<TickInput> = replayed.inputs().collect();
     for (tick, mut got) in (0..100).zip(ticks) {
@@ -202,7 +202,7 @@ fn the_calibration_and_the_flags_as_flown_are_in_the_header() {
     }
     assert_eq!(key(&flight, "flown_imu_master_bias_m"), None);
     assert!(has(&notes, "the calibration and the flags as flown are in the header"));
-    // Without the latch's own frame: what the tick said.
+    // Without the latch's own frame, the values of the tick remain.
     let mut line = whole();
     line.frames.remove(42);
     let (flight, notes) = imported(&line.bytes());
@@ -225,7 +225,7 @@ fn torn_frames_and_garbage_cost_their_own_ticks_and_are_counted() {
         ),
         ([&frames.concat()[..], &garbage].concat(), 100, "the last frame is cut off"),
         (frames.concat()[..frames.concat().len() - 9].to_vec(), 99, "the last frame is cut off"),
-        // The first half of a frame is gone, as where a recorder is attached later.
+        // The first half of a frame is missing, as when a recorder is attached later.
         (frames.concat()[frames[0].len() + 20..].to_vec(), 99, "recorded from the middle of a stream"),
     ] {
         let (flight, notes) = imported(&log);
@@ -260,7 +260,7 @@ fn a_restart_goes_on_with_the_flight_and_is_said() {
         line.send(&restart(start, 1_450_000));
         line.ticks(90..120);
         let after = line.frames.split_off(71);
-        // Torn by the reset, without a zero or with the one that the firmware begins with.
+        // Cut by the reset, without a zero or with the one with which the firmware begins.
         for zero in [&[][..], &[0]] {
             let log = [&line.frames.concat()[..], &torn[..60], zero, &after.concat()].concat();
             let (flight, notes) = imported(&log);
@@ -270,7 +270,7 @@ fn a_restart_goes_on_with_the_flight_and_is_said() {
             assert!(has(&notes, "stretches that are no frame (torn"), "{notes:?}");
             assert!(flight.time_s.is_sorted());
         }
-        // Header and report lost as well: the clock says that the flight goes on.
+        // Header and report are lost as well: the clock shows that the flight continues.
         let log = [&line.frames.concat()[..], &torn[..60], &after[1..].concat()].concat();
         let (flight, notes) = imported(&log);
         assert_eq!(flight.rows(), 99);
@@ -343,7 +343,7 @@ fn what_is_no_flight_is_one_line_that_says_why() {
 }
 
 proptest::proptest! {
-    /// Whatever is cut out of a record, and put in its place, nothing panics and no tick is made up.
+    /// Whatever part of a record is replaced by other bytes, nothing panics and no tick is made up.
     #[test]
     fn any_damage_leaves_ticks_that_were_sent(
         at in 0_usize..8_000, gone in 0_usize..900, instead in proptest::collection::vec(proptest::num::u8::ANY, 0..400),

@@ -2,24 +2,23 @@
 
 use super::value::{Stamp, Timed};
 
-/// Times in microseconds beyond this are since 1970 (it is the year 2001), not since the sender started.
+/// Times in microseconds beyond this are since 1970 (it is in the year 2001), not since the sender started.
 pub const EPOCH_US: u64 = 1_000_000_000_000_000;
-/// A clock that goes back by more has started anew: messages of one sender come in a slightly other order
-/// than their times.
+/// A clock that goes back by more has restarted: one sender's messages may arrive slightly out of time order.
 const RESTART_US: u64 = 5_000_000;
-/// A message's time that is farther from when it was received is not by this clock.
+/// A message's time farther than this from its reception is not by this clock.
 const FAR_US: u64 = 60_000_000;
 
-/// When a value was, by the sender's clock.
+/// Time of a value, by the sender's clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Time {
-    /// To the microsecond.
+    /// Known to the microsecond.
     Microseconds(u64),
-    /// Somewhere in that millisecond.
+    /// Known to the millisecond.
     Milliseconds(u64),
 }
 
-/// Microseconds since the start, if the message says so.
+/// Microseconds since the start, if the message gives them.
 pub const fn boot_us(stamp: Stamp) -> Option<u64> {
     match stamp {
         Stamp::Microseconds(time_us) if time_us < EPOCH_US => Some(time_us),
@@ -28,12 +27,12 @@ pub const fn boot_us(stamp: Stamp) -> Option<u64> {
     }
 }
 
-/// The longest stretch of values between two starts of the sender, and how often it started again.
+/// The longest stretch of values between two starts of the sender, and the number of restarts.
 pub fn longest_run(values: Vec<Timed>) -> (Vec<Timed>, usize) {
     let mut latest_us = 0;
     let mut starts = vec![0];
     for (index, timed) in values.iter().enumerate() {
-        // A time by a receiver's or another clock says nothing of a start.
+        // A time by a receiver's or another clock does not show a start.
         let Stamp::Milliseconds(_) = timed.stamp else { continue };
         let Some(time_us) = boot_us(timed.stamp) else { continue };
         if time_us + RESTART_US < latest_us {
@@ -49,19 +48,19 @@ pub fn longest_run(values: Vec<Timed>) -> (Vec<Timed>, usize) {
     (run.unwrap_or_default(), restarts)
 }
 
-/// From the receiver's clock to the sender's.
+/// Conversion from the receiver's clock to the sender's.
 pub struct Clock {
-    /// What the receiver's clock is ahead, with the least delay that was seen, but for one in a hundred: a
-    /// receiver's time that is wrong by less than a second is not found, and must not move all others.
+    /// How far the receiver's clock is ahead, with the least delay seen, ignoring one in a hundred: a
+    /// receiver's time that is wrong by less than a second is not detected, and must not shift all others.
     ahead_us: Option<u64>,
 }
 
 impl Clock {
-    /// By the values that have a time of both clocks.
+    /// From the values that have a time of both clocks.
     pub fn of(values: &[Timed]) -> Self {
         let ahead =
             |timed: &Timed| Some((timed.recorded_us, timed.recorded_us.checked_sub(boot_us(timed.stamp)?)?));
-        // A frame of several values counts once.
+        // A frame with several values counts once.
         let mut frames: Vec<(u64, u64)> = values.iter().filter_map(ahead).collect();
         frames.dedup();
         let mut found: Vec<u64> = frames.into_iter().map(|(_, ahead_us)| ahead_us).collect();
@@ -70,7 +69,7 @@ impl Clock {
         Self { ahead_us }
     }
 
-    /// When a value was. Without any time of the sender it is the receiver's.
+    /// Time of a value. Without a time of the sender, the receiver's time is used.
     pub fn time(&self, timed: &Timed) -> Time {
         let received_us = timed.recorded_us.saturating_sub(self.ahead_us.unwrap_or(0));
         let is_near = |time_us: &u64| time_us.abs_diff(received_us) <= FAR_US;

@@ -1,4 +1,4 @@
-//! From a recording's values to a flight's columns.
+//! Converts a recording's values to a flight's columns.
 
 use super::Sender;
 use super::clock::{Clock, EPOCH_US, Time, longest_run};
@@ -12,9 +12,9 @@ use crate::import::gps_time::utc_text;
 use crate::import::{leap, receivers};
 use flight_data::{Channel, Column, Flight, Header, Note};
 
-/// The phase of a Pylon in free flight (HEARTBEAT's custom_mode).
+/// Phase of a Pylon in free flight (HEARTBEAT's custom_mode).
 const FREE_FLIGHT: u32 = 2;
-/// The autopilot's velocity down belongs to a fix that is not farther away, seconds.
+/// Largest time between a fix and the autopilot's velocity down that belongs to it, seconds.
 const SAME_FIX_S: f64 = 0.5;
 
 struct Converter {
@@ -42,7 +42,7 @@ pub fn convert(
     let clock = Clock::of(&values);
     let times: Vec<Time> = values.iter().map(|timed| clock.time(timed)).collect();
     let rows = Rows::new(&times);
-    // Without receiver's times they are since the sender's start.
+    // Without receiver's times, they count from the sender's start.
     let start_us = values
         .iter()
         .map(|timed| timed.recorded_us)
@@ -64,8 +64,7 @@ pub fn convert(
     converter.signals();
     converter.launch();
     let Converter { mut flight, mut notes, .. } = converter;
-    // Where nothing has a time of the sender, there is nothing that a wrong stamp of the receiver
-    // contradicts.
+    // Without any time of the sender, nothing contradicts a wrong stamp of the receiver.
     notes.extend(leap::leave_out(&mut flight));
     let first_s = flight.time_s.first().copied().unwrap_or(0.0);
     flight.time_s.iter_mut().for_each(|time_s| *time_s -= first_s);
@@ -125,13 +124,13 @@ impl Converter {
         self.values.iter().filter(|timed| is(&timed.value)).count()
     }
 
-    /// The samples that this picks, with their rows.
+    /// The samples selected by `pick`, with their rows.
     fn picked<T>(&self, pick: impl Fn(&Value) -> Option<T>) -> Vec<(usize, T)> {
         let timed = self.values.iter().zip(&self.times);
         timed.filter_map(|(timed, time)| Some((self.rows.row(*time)?, pick(&timed.value)?))).collect()
     }
 
-    /// A channel of these samples, if there are any; the last of a row counts.
+    /// Sets a channel to these samples, if there are any; the last one of a row is used.
     fn put(&mut self, channel: Channel, samples: impl IntoIterator<Item = (usize, f64)>) {
         let mut column = Column::empty(self.rows.len());
         let mut any = false;
@@ -219,7 +218,7 @@ impl Converter {
         ));
     }
 
-    /// The velocity down of the position that is nearest to each fix.
+    /// For each fix, the velocity down of the nearest position.
     fn beside(&self, fixes: &[(usize, Fix)], globals: &[(usize, Global)]) -> Vec<(usize, f64)> {
         let time_s = |row: usize| self.flight.time_s.get(row).copied().unwrap_or(f64::NAN);
         let mut sorted: Vec<(f64, f64)> =
@@ -343,7 +342,7 @@ impl Converter {
         }
     }
 
-    /// VFR_HUD's airspeed is the calibrated one; an autopilot without airspeed sensor sends zero, or its
+    /// VFR_HUD's airspeed is the calibrated one; an autopilot without an airspeed sensor sends zero or its
     /// estimate.
     fn true_airspeed(&mut self) {
         let calibrated = self.picked(|value| match value {

@@ -1,4 +1,4 @@
-//! Frames in a recording.
+//! Finds frames in a recording.
 //!
 //! Source: MAVLink guide, "Packet Serialization".
 
@@ -7,30 +7,30 @@ use mavlink::{MavlinkVersion, Message, calculate_crc};
 
 use super::Sender;
 
-/// Bytes of the receiver's time before each frame of a recording.
+/// Length of the receiver's time before each frame of a recording, bytes.
 pub const STAMP: usize = 8;
-/// Bytes before each frame of a stream as it was sent.
+/// The same for a stream as sent: no bytes.
 pub const NO_STAMP: usize = 0;
-/// A stream without stamps has at least so many frames: the check of one has 16 bits.
+/// Fewest frames of a stream without stamps: one frame's CRC has only 16 bits.
 const LEAST_UNSTAMPED: usize = 3;
 const MARKER_1: u8 = 0xfe;
 const MARKER_2: u8 = 0xfd;
-/// Marker and header.
+/// Length of marker and header.
 const HEADER_1: usize = 6;
 const HEADER_2: usize = 10;
 const CRC: usize = 2;
 const SIGNATURE: usize = 13;
-/// The flag of a signed frame, the only one of those that a reader must know that is read here.
+/// Flag of a signed frame: the only flag supported among those that a reader must know.
 const SIGNED: u8 = 1;
 
-/// One message and where it comes from.
+/// One message and its source.
 #[derive(Clone, Debug)]
 pub struct Packet {
-    /// When it was received, microseconds since 1970.
+    /// Time of reception, microseconds since 1970.
     pub recorded_us: u64,
-    /// Which of the recording's frames it is, from 1.
+    /// Number of its frame in the recording, from 1.
     pub number: usize,
-    /// Who sent it.
+    /// Its sender.
     pub sender: Sender,
     /// The message.
     pub message: MavMessage,
@@ -39,45 +39,45 @@ pub struct Packet {
 /// What was left out, and why.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
-    /// Frames whose CRC is wrong.
+    /// Frames with a wrong CRC.
     pub bad_crc: usize,
-    /// Frames of messages that MAVLink's common set does not have; their CRC cannot be checked.
+    /// Frames of messages outside MAVLink's common set; their CRC cannot be checked.
     pub unknown: usize,
-    /// Frames whose CRC is right and whose payload makes no message (a value that the enumeration lacks).
+    /// Frames with a right CRC whose payload is not a valid message (a value outside the enumeration).
     pub unreadable: usize,
-    /// Bytes that are no frame, between frames.
+    /// Bytes between frames that are not a frame.
     pub garbage_bytes: usize,
-    /// Where the first of them is.
+    /// Offset of the first of them.
     pub first_garbage: usize,
-    /// Bytes of all.
+    /// Length of the recording, bytes.
     pub bytes: usize,
     /// Whether the last frame is cut off.
     pub cut: bool,
-    /// Frames that were received before the one before them.
+    /// Frames that were received earlier than the frame before them.
     pub backward: usize,
-    /// Messages that were read.
+    /// Messages read.
     pub read: usize,
 }
 
 /// The messages of a recording, in its order.
 pub struct Packets<'a> {
     log: &'a [u8],
-    /// Bytes before each frame.
+    /// Length of the stamp before each frame.
     stamp: usize,
     at: usize,
     last_us: u64,
     losses: Losses,
 }
 
-/// What is at a place.
+/// What was found at an offset.
 enum Found {
-    /// A message, and the bytes that it takes.
+    /// A message and its length in bytes.
     Packet(Box<Packet>, usize),
-    /// A frame that is of no use, and the bytes that it takes.
+    /// A frame that is not used, and its length in bytes.
     Skipped(usize),
-    /// The beginning of a frame, which the end of the file cuts off.
+    /// The beginning of a frame that the end of the file cuts off.
     Cut,
-    /// No frame.
+    /// Not a frame.
     Nothing,
 }
 
@@ -87,14 +87,14 @@ struct Frame<'a> {
     sender: Sender,
     id: u32,
     payload: &'a [u8],
-    /// What the CRC is of: all after the marker.
+    /// The bytes that the CRC covers: all after the marker.
     checked: &'a [u8],
     crc: u16,
     len: usize,
 }
 
 impl<'a> Packets<'a> {
-    /// The messages of these bytes, before each of whose frames there are so many of a stamp.
+    /// The messages of these bytes, with a stamp of `stamp` bytes before each frame.
     pub fn new(log: &'a [u8], stamp: usize) -> Self {
         Self { log, stamp, at: 0, last_us: 0, losses: Losses { bytes: log.len(), ..Losses::default() } }
     }
@@ -107,7 +107,7 @@ impl<'a> Packets<'a> {
     fn find(&mut self) -> Found {
         let Some(rest) = self.log.get(self.at..) else { return Found::Nothing };
         let Some((stamp, rest)) = rest.split_at_checked(self.stamp) else { return Found::Nothing };
-        // A stream without stamps says no receiver's time.
+        // A stream without stamps has no receiver's time.
         let recorded_us = stamp.first_chunk::<STAMP>().map_or(0, |stamp| u64::from_be_bytes(*stamp));
         let frame = match parse(rest) {
             Ok(frame) => frame,
@@ -115,7 +115,7 @@ impl<'a> Packets<'a> {
         };
         let len = self.stamp + frame.len;
         if MavMessage::default_message_from_id(frame.id).is_none() {
-            // Nothing vouches for it but that another frame follows.
+            // The only confirmation is that another frame follows.
             if !self.is_boundary(self.at + len) {
                 return Found::Nothing;
             }
@@ -123,7 +123,7 @@ impl<'a> Packets<'a> {
             return Found::Skipped(len);
         }
         if calculate_crc(frame.checked, MavMessage::extra_crc(frame.id)) != frame.crc {
-            // Damaged, if another frame follows; else a marker in garbage.
+            // Damaged, if another frame follows; otherwise a marker in garbage.
             if !self.is_boundary(self.at + len) {
                 return Found::Nothing;
             }
@@ -140,7 +140,7 @@ impl<'a> Packets<'a> {
         Found::Packet(Box::new(packet), len)
     }
 
-    /// Goes over a byte that is no frame.
+    /// Skips a byte that is not part of a frame.
     fn skip(&mut self) {
         if self.losses.garbage_bytes == 0 {
             self.losses.first_garbage = self.at;
@@ -170,8 +170,7 @@ impl Iterator for Packets<'_> {
                 }
                 Found::Skipped(len) => self.at += len,
                 Found::Cut => {
-                    // A marker in garbage near the end looks the same; if there are frames after it, it was
-                    // that.
+                    // A marker in garbage near the end looks the same; if frames follow it, it was one.
                     let mut rest = Packets::new(self.log.get(self.at + 1..).unwrap_or_default(), self.stamp);
                     rest.losses.cut = true;
                     if self.losses.cut || rest.next().is_none() {
@@ -188,8 +187,9 @@ impl Iterator for Packets<'_> {
     }
 }
 
-/// Bytes before each frame of a log, by what its beginning has more of; `None` where it has no frame at all.
-/// A stream without stamps read as one with them would give every other frame, with a time of nothing.
+/// Length of the stamp before each frame of a log, whichever gives more frames at its beginning; `None` if
+/// there is no frame at all. A stream without stamps, read as one with stamps, would give every other frame
+/// with a meaningless time.
 pub fn stamp_length(beginning: &[u8]) -> Option<usize> {
     let frames = |stamp| Packets::new(beginning, stamp).count();
     let (stamped, unstamped) = (frames(STAMP), frames(NO_STAMP));
@@ -199,7 +199,7 @@ pub fn stamp_length(beginning: &[u8]) -> Option<usize> {
     (stamped > 0).then_some(STAMP)
 }
 
-/// The frame that these bytes begin with, its CRC not yet checked.
+/// The frame at the beginning of these bytes, with its CRC not yet checked.
 fn parse(bytes: &[u8]) -> Result<Frame<'_>, Found> {
     let byte = |at: usize| bytes.get(at).copied().ok_or(Found::Cut);
     let marker = bytes.first().ok_or(Found::Nothing)?;
@@ -230,7 +230,7 @@ fn parse(bytes: &[u8]) -> Result<Frame<'_>, Found> {
     Ok(Frame { version, sender, id, payload, checked, crc: u16::from_le_bytes([low, high]), len })
 }
 
-/// The frames with messages in bytes without stamps, up to the first that is none.
+/// The frames with messages in bytes without stamps, up to the first bytes that are not one.
 pub fn unstamped(line: &[u8]) -> impl Iterator<Item = (&[u8], Packet)> {
     let mut at = 0;
     std::iter::from_fn(move || {

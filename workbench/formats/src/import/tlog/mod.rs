@@ -1,6 +1,6 @@
-//! Recordings of MAVLink streams (`.tlog`), as ground stations make them: before each frame of the stream,
-//! the receiver's time as 8 bytes, big-endian, microseconds since 1970. And streams as they were sent,
-//! without these times.
+//! Recordings of MAVLink streams (`.tlog`), as made by ground stations: before each frame of the stream, the
+//! receiver's time as 8 bytes, big-endian, microseconds since 1970. Streams as sent, without these times, are
+//! read too.
 //!
 //! | in the log | in the flight |
 //! |---|---|
@@ -13,11 +13,11 @@
 //! | HEARTBEAT of a Pylon | `launch`, where its `launch` value is missing |
 //! | NAMED_VALUE_FLOAT of a Pylon | `launch`, `imu_master_alt_m`, `imu_slave_alt_m`, `gps_vd_mps`, `tas_mps`, `aoa_rad`, `sideslip_rad`, `throttle`, `oat_c` ([`telemetry::named`]) |
 //!
-//! What a Pylon estimated (biases, errors, flags) is left out: a flight is what was measured, and `compare`
-//! says the rest anew. MAVLink 1 and 2 are read, signatures are not checked. Times are the sender's where a
-//! message has one, else the receiver's less the least delay that was seen (but for one in a hundred). A
-//! receiver's time has no CRC: frames with one that contradicts the frames around them and the message's own
-//! are left out.
+//! A Pylon's estimates (biases, errors, flags) are left out: a flight contains what was measured, and
+//! `compare` computes the rest again. MAVLink 1 and 2 are read, signatures are not checked. Times are the
+//! sender's where a message has one, else the receiver's less the least delay seen (ignoring one in a
+//! hundred). A receiver's time has no CRC: frames whose time contradicts the frames around them and the
+//! message's own time are left out.
 
 mod clock;
 mod convert;
@@ -64,10 +64,10 @@ impl Importer for Tlog {
     }
 }
 
-/// A vehicle's part: system and component.
+/// A component of a vehicle: system and component.
 type Sender = (u32, u8);
 
-/// Who sent most of what is of use, and how many messages others sent.
+/// The sender of most of the useful messages, and how many messages others sent.
 fn sender(log: &[u8], stamp: usize) -> (Sender, usize) {
     let mut useful: BTreeMap<Sender, usize> = BTreeMap::new();
     let mut total = 0;
@@ -85,8 +85,8 @@ fn sender(log: &[u8], stamp: usize) -> (Sender, usize) {
     (best, total - of_sender.get(&best).copied().unwrap_or_default())
 }
 
-/// The whole frames of a line, which has no receiver's times, and the time since the sender's start that
-/// their messages say, microseconds.
+/// The complete frames of a line without receiver's times, each with the time since the sender's start that
+/// its message gives, microseconds.
 pub fn frames(line: &[u8]) -> impl Iterator<Item = (&[u8], Option<u64>)> {
     frame::unstamped(line).map(|(frame, packet)| {
         let mut values = Vec::new();

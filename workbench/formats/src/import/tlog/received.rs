@@ -1,4 +1,4 @@
-//! Which frames' receiver's times are to be believed: they have no CRC.
+//! Decides which frames' receiver's times are accepted: they have no CRC.
 
 use super::clock::boot_us;
 use super::frame::Packet;
@@ -6,31 +6,31 @@ use super::value::{self, Stamp, Timed};
 use crate::import::gps_time::utc_text;
 use crate::import::stamps;
 
-/// A frame's time that is no farther from what its message's own clock makes it, is right however it stands
-/// among the others.
+/// A frame's time within this of the one computed from its message's own clock is right, whatever the others
+/// are.
 const AGREES_US: u64 = 1_000_000;
 
-/// What was received from a sender.
+/// The data received from a sender.
 #[derive(Default)]
 pub struct Received {
-    /// Whether the stream has no receiver's times: each frame counts as received at the latest time that its
-    /// sender said.
+    /// Whether the stream has no receiver's times: each frame then counts as received at the latest time that
+    /// its sender gave.
     is_unstamped: bool,
-    /// That time, and whether it is of a clock that counts milliseconds since the start, as all of a sender's
-    /// messages but the receiver's and the sensors' do.
+    /// That time, and whether its clock counts milliseconds since the start, as in all of a sender's messages
+    /// except those of its receiver and its sensors.
     latest: Option<(u64, bool)>,
     values: Vec<Timed>,
-    /// Each frame's number, receiver's time, and the end of its values.
+    /// Each frame's number, receiver's time, and the end index of its values.
     frames: Vec<(usize, u64, usize)>,
 }
 
 impl Received {
-    /// Nothing yet, of a stream with or without receiver's times.
+    /// Empty, for a stream with or without receiver's times.
     pub fn new(is_unstamped: bool) -> Self {
         Self { is_unstamped, ..Self::default() }
     }
 
-    /// Takes a frame.
+    /// Adds a frame.
     pub fn take(&mut self, packet: &Packet) {
         let begin = self.values.len();
         value::take(packet, &mut self.values);
@@ -49,10 +49,10 @@ impl Received {
         self.frames.push((packet.number, recorded_us, self.values.len()));
     }
 
-    /// The values of the frames whose time is to be believed, and what to say of the others.
+    /// The values of the frames whose time is accepted, and a note on the others.
     pub fn believed(self) -> (Vec<Timed>, Option<String>) {
         if self.is_unstamped {
-            // What has no CRC is not there.
+            // There are no receiver's times to check.
             let said = "a stream without receiver's times: those of its messages are used, and for messages without one the latest before \
                         them";
             return (self.values, Some(said.to_owned()));
@@ -89,7 +89,7 @@ impl Received {
     }
 }
 
-/// What the receiver's clock is ahead of the sender's in the middle.
+/// Median lead of the receiver's clock over the sender's.
 fn median_ahead(values: &[Timed]) -> Option<i64> {
     let ahead =
         |timed: &Timed| i64::try_from(timed.recorded_us).ok()?.checked_sub_unsigned(boot_us(timed.stamp)?);

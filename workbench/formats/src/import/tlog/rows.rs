@@ -1,4 +1,4 @@
-//! Values sorted into rows by their times.
+//! Sorts values into rows by their times.
 
 use std::collections::BTreeMap;
 
@@ -7,13 +7,13 @@ use super::clock::Time;
 /// The rows of a flight, by microseconds of the sender's clock.
 #[derive(Default)]
 pub struct Rows {
-    /// Time and row; rows are numbered once all are there.
+    /// Time and row; rows are numbered once all times are known.
     times: BTreeMap<u64, usize>,
 }
 
 impl Rows {
-    /// A row for each time. A time that is known to the millisecond only joins the first row of that
-    /// millisecond: a flight computer's messages of one tick are one row again.
+    /// A row for each time. A time known only to the millisecond joins the first row of that millisecond: a
+    /// flight computer's messages of one tick become one row again.
     pub fn new(times: &[Time]) -> Self {
         let mut rows = Self::default();
         for time in times {
@@ -34,12 +34,12 @@ impl Rows {
         rows
     }
 
-    /// How many there are.
+    /// Number of rows.
     pub fn len(&self) -> usize {
         self.times.len()
     }
 
-    /// The row of a time that [`Self::new`] was given.
+    /// The row of a time that was given to [`Self::new`].
     pub fn row(&self, time: Time) -> Option<usize> {
         match time {
             Time::Microseconds(time_us) => self.times.get(&time_us).copied(),
@@ -47,7 +47,7 @@ impl Rows {
         }
     }
 
-    /// Seconds since the first row, of every row.
+    /// Time of every row since the first, seconds.
     pub fn seconds(&self) -> Vec<f64> {
         let first_us = self.times.keys().next().copied().unwrap_or(0);
         self.times.keys().map(|time_us| (time_us - first_us) as f64 / 1e6).collect()

@@ -5,7 +5,7 @@ use telemetry::Frame;
 use super::*;
 use flight_data::Channel;
 
-/// The receiver's clock, ahead of the sender's.
+/// How far the receiver's clock is ahead of the sender's.
 const AHEAD_US: u64 = 1_700_000_000_000_000;
 const PYLON: Sender = (1, telemetry::COMPONENT_ID);
 
@@ -69,11 +69,11 @@ fn value(time_ms: u32, name: &str, value: f32) -> MavMessage {
     MavMessage::NAMED_VALUE_FLOAT(NAMED_VALUE_FLOAT_DATA { time_boot_ms: time_ms, value, name: name.into() })
 }
 
-/// Found by fuzzing: a flight of some hundred thousand years, which no file can hold.
+/// Found by fuzzing: a flight of some hundred thousand years, which a file cannot hold.
 #[test]
 fn stamps_that_are_ages_apart_are_one_flight_and_what_was_left_out() {
     let far_us = 3_000_000_000_000_000_000;
-    // Times since 1970 are of a receiver, and say nothing of the sender's clock.
+    // Times since 1970 are a receiver's, and give no information on the sender's clock.
     let at = |stamp_us: u64| v2(stamp_us, PYLON, &fix(AHEAD_US, 500_000));
     let stamps = [AHEAD_US, AHEAD_US + 1_000_000, far_us, far_us + 1_000_000];
     let log: Vec<u8> = stamps.iter().flat_map(|stamp| at(*stamp)).collect();
@@ -108,7 +108,7 @@ fn samples(flight: &Flight, channel: Channel) -> Vec<(f64, f32)> {
     column.samples().map(|(row, sample)| (flight.time_s[row], sample)).collect()
 }
 
-/// A serial line's capture: the same flight, but for the receiver's times, which it has not.
+/// A capture of a serial line: the same flight without the receiver's times.
 #[test]
 fn a_stream_without_receivers_times_is_the_same_flight() {
     let log: Vec<u8> = (0..60_u64)
@@ -141,7 +141,7 @@ fn a_stream_without_receivers_times_is_the_same_flight() {
     }
     assert!(!flight.header.other.iter().any(|(key, _)| key == "start_utc"));
     assert!(notes.iter().any(|note| note.starts_with("a stream without receiver's times")), "{notes:?}");
-    // Garbage between its frames is named with its place.
+    // Garbage between its frames is reported with its place.
     raw.splice(1_000..1_000, [7; 100]);
     let (_, notes) = import(&raw);
     assert!(
@@ -288,7 +288,7 @@ fn another_autopilots_log_gives_what_it_has_and_says_what_that_is_worth() {
         let at_us = 60_000_000 + k * 500_000;
         let recorded_us = AHEAD_US + at_us + 30_000;
         let at_ms = (at_us / 1_000) as u32;
-        // Its receiver tells the time since 1970.
+        // Its receiver gives the time since 1970.
         let mut send = |message: &MavMessage| log.extend(v1(recorded_us, autopilot, message));
         send(&fix(1_699_999_999_000_000 + k * 500_000, 500_000));
         send(&MavMessage::GLOBAL_POSITION_INT(GLOBAL_POSITION_INT_DATA {
@@ -309,7 +309,7 @@ fn another_autopilots_log_gives_what_it_has_and_says_what_that_is_worth() {
             xgyro: 250,
             ..SCALED_IMU_DATA::default()
         }));
-        // A ground station that is in the log as well.
+        // A ground station that is also in the log.
         log.extend(v2(recorded_us, (255, 190), &MavMessage::HEARTBEAT(HEARTBEAT_DATA::default())));
     }
     let (flight, notes) = import(&log);
@@ -370,7 +370,7 @@ fn an_autopilots_own_altitude_is_a_reference_only_where_there_is_no_other() {
 fn garbage_damage_and_a_cut_end_are_counted_and_cost_nothing_else() {
     let whole = seconds(10);
     let clean = import(&whole).0;
-    // Garbage with both markers in it before the first frame.
+    // Garbage with both markers before the first frame.
     let mut log = [&[0xfd; 5][..], &[0xfe, 3, 9, 0xfd, 0]].concat();
     log.extend(&whole);
     // One byte of the second fix's altitude, and the last frame without its end.
@@ -391,7 +391,7 @@ fn garbage_damage_and_a_cut_end_are_counted_and_cost_nothing_else() {
 
     let (flight, notes) = import(&log);
     let pressures = samples(&flight, Channel::BaroPa);
-    // Ten whole ones and the signed one, less the cut one.
+    // Ten complete ones and the signed one, less the cut one.
     assert_eq!(pressures.len(), 10);
     assert!(pressures.contains(&(0.5, 89_000.0)), "{pressures:?}");
     let altitudes = samples(&flight, Channel::GpsAltM);
@@ -413,7 +413,7 @@ fn garbage_damage_and_a_cut_end_are_counted_and_cost_nothing_else() {
 #[test]
 fn recorders_times_that_go_back_and_a_restarted_sender_are_said() {
     let mut log = seconds(3);
-    // A frame that came 0.3 s late is one; its own time is in order.
+    // A frame that came 0.3 s late is accepted; its own time is in order.
     log.extend(v2(AHEAD_US + 7_400_000, PYLON, &value(7_200, "tas", 30.0)));
     log.extend(v2(AHEAD_US + 7_100_000, PYLON, &value(7_080, "tas", 31.0)));
     let (flight, notes) = import(&log);
@@ -426,7 +426,7 @@ fn recorders_times_that_go_back_and_a_restarted_sender_are_said() {
 
     let mut log = Vec::new();
     for k in 0..20_u64 {
-        // After five seconds it starts anew.
+        // After five seconds it restarts.
         let boot_us = if k < 5 { 50_000_000 + k * 1_000_000 } else { 1_000_000 + k * 1_000_000 };
         let recorded_us = AHEAD_US + 50_000_000 + k * 1_000_000;
         log.extend(v2(recorded_us, PYLON, &fix(boot_us, 1_000_000)));
@@ -473,7 +473,7 @@ fn launch_is_by_the_heartbeat_where_no_value_says_it() {
     };
     let mut log = seconds(4);
     log.extend(v2(AHEAD_US + 8_520_000, PYLON, &mode(1)));
-    // The same of an autopilot is a mode of its own.
+    // The same number in an autopilot's message is a mode of its own.
     log.extend(v2(AHEAD_US + 9_020_000, (1, 1), &mode(2)));
     log.extend(v2(AHEAD_US + 9_520_000, PYLON, &mode(2)));
     let (flight, notes) = import(&log);
@@ -481,7 +481,7 @@ fn launch_is_by_the_heartbeat_where_no_value_says_it() {
     assert!(notes.iter().any(|note| note.contains("up to a second late")), "{notes:?}");
 }
 
-/// A fix, a pressure and a value without a time of its own, a second; and where each frame begins.
+/// A fix, a pressure and a value without a time of its own each second; and where each frame begins.
 fn with_hud(count: u64) -> (Vec<u8>, Vec<usize>) {
     let (mut log, mut places) = (Vec::new(), Vec::new());
     for k in 0..count {
@@ -510,7 +510,7 @@ fn a_flipped_bit_of_a_receivers_time_moves_nothing_but_its_own_frame() {
             let what = format!("bit {bit} of frame {frame}: {notes:?}");
             let (first, last) = (flight.time_s[0], flight.time_s[flight.rows() - 1]);
             assert!(first == 0.0 && last <= clean.time_s[clean.rows() - 1] + 5.0, "{what}");
-            // The others keep their distances from each other.
+            // The others keep their intervals.
             let own = (frame % 3 == 2).then_some((frame / 3) as f32 / 100.0);
             let others = |samples: &[(f64, f32)]| -> Vec<(f64, f32)> {
                 samples.iter().copied().filter(|(_, value)| Some(*value) != own).collect()

@@ -1,4 +1,4 @@
-//! What is of use in each message.
+//! The useful values of each message.
 
 use mavlink::dialects::common::{GpsFixType, HighresImuUpdatedFlags, MavAutopilot, MavMessage, MavType};
 use telemetry::named;
@@ -7,23 +7,23 @@ use super::frame::Packet;
 
 const G_MPS2: f32 = 9.806_65;
 
-/// When a message says that it was.
+/// Time that a message gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stamp {
     /// Microseconds since the sender started, or since 1970.
     Microseconds(u64),
     /// Milliseconds since the sender started.
     Milliseconds(u32),
-    /// It does not say.
+    /// The message gives no time.
     None,
 }
 
-/// One value of use and when it was.
+/// One useful value and its time.
 #[derive(Clone, Copy, Debug)]
 pub struct Timed {
-    /// When it was received, microseconds since 1970.
+    /// Time of reception, microseconds since 1970.
     pub recorded_us: u64,
-    /// When its message says that it was.
+    /// Time that its message gives.
     pub stamp: Stamp,
     /// The value.
     pub value: Value,
@@ -41,7 +41,7 @@ pub struct Fix {
     pub fix_time_us: u64,
 }
 
-/// A position by the autopilot's own estimate.
+/// A position from the autopilot's own estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Global {
     pub altitude_m: f64,
@@ -51,7 +51,7 @@ pub struct Global {
     pub position_deg: (f64, f64),
 }
 
-/// A value of use, in the flight's units.
+/// A useful value, in the flight's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
     Inertial {
@@ -75,15 +75,15 @@ pub enum Value {
     AttitudeRad([f32; 3]),
     CalibratedAirspeedMps(f32),
     ThrottlePercent(u16),
-    /// Of a Pylon: the number of its phase.
+    /// From a Pylon: the number of its phase.
     Phase(u32),
-    /// Of a Pylon: a value under one of its names.
+    /// From a Pylon: a value under one of its names.
     Named(Sampled, f32),
-    /// Of a Pylon: a value that it estimated.
+    /// From a Pylon: an estimated value.
     Estimate,
 }
 
-/// What a Pylon samples and sends by name.
+/// Values that a Pylon samples and sends by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampled {
     Launch,
@@ -114,7 +114,7 @@ impl Sampled {
     }
 }
 
-/// Adds what is of use in a message.
+/// Adds the useful values of a message.
 pub fn take(packet: &Packet, values: &mut Vec<Timed>) {
     let mut add = |stamp, value| values.push(Timed { recorded_us: packet.recorded_us, stamp, value });
     match &packet.message {
@@ -212,7 +212,7 @@ pub fn take(packet: &Packet, values: &mut Vec<Timed>) {
     }
 }
 
-/// What the messages of both receivers have.
+/// The common data of both receivers' messages.
 struct RawFix {
     fix_type: u8,
     time_us: u64,

@@ -1,4 +1,4 @@
-//! From messages to groups of values.
+//! Collects messages into groups of values.
 
 use std::collections::BTreeMap;
 
@@ -7,43 +7,44 @@ use super::reader::{Message, Reader};
 use super::rules::RULES;
 use crate::import::table::Group;
 
-/// More sources of one kind than any autopilot has.
+/// More sources of one kind than an autopilot has.
 const MOST_INSTANCES: u8 = 8;
 
-/// All that a log has of use.
+/// All useful data of a log.
 #[derive(Debug, Default)]
 pub struct Collected {
     /// Time of each used message, microseconds since the autopilot's start, in the log's order.
     pub stamps_us: Vec<u64>,
-    /// Byte of each used message.
+    /// Byte offset of each used message.
     pub places: Vec<usize>,
-    /// Messages by rule and instance; their numbers are those of the rule's fields.
+    /// Messages by rule and instance, with the numbers of the rule's fields.
     pub groups: BTreeMap<(usize, u8), Group>,
-    /// Receivers' times, microseconds since 1970, and positions, degrees: more digits than a group holds.
+    /// Receivers' times, microseconds since 1970, and positions, degrees: with more digits than a group
+    /// holds.
     pub exact: BTreeMap<u32, [f64; 3]>,
-    /// Parameters as they were at the start.
+    /// Parameters at the start.
     pub parameters: BTreeMap<String, f64>,
-    /// Parameters that were changed later.
+    /// Number of parameters changed later.
     pub changed: usize,
     /// Texts about the vehicle.
     pub info: BTreeMap<String, Vec<u8>>,
-    /// Messages of each topic and instance.
+    /// Number of messages of each topic and instance.
     pub counts: BTreeMap<u16, usize>,
-    /// Times at which data were lost: microseconds of the message before, milliseconds.
+    /// Dropouts of data: time of the message before, microseconds, and duration, milliseconds.
     pub dropouts: Vec<(u64, u16)>,
-    /// Messages too short for their time.
+    /// Messages too short to contain their time.
     pub unstamped: usize,
-    /// Ids of topics that are of use and cannot be read, with the reason.
+    /// Ids of useful topics that cannot be read, with the reason.
     pub unreadable: BTreeMap<u16, &'static str>,
-    /// Fields that are called almost as one that is missing: topic, the missing one, and what is there.
+    /// Fields whose name resembles that of a missing one: topic, the missing field, and the one that exists.
     pub misspelt: Vec<(String, &'static str, String)>,
 }
 
 /// How to read a topic.
 enum Plan {
-    /// Nothing of it is of use.
+    /// It is not used.
     Unused,
-    /// It would be of use, and cannot be read for this reason.
+    /// It would be used, but cannot be read for this reason.
     Unreadable(&'static str),
     Values(Values),
 }
@@ -53,18 +54,18 @@ struct Values {
     instance: u8,
     time: Place,
     fields: Vec<Option<(Place, f64)>>,
-    /// What has been read of it.
+    /// The values read.
     group: Group,
-    /// Places among the fields of time and position of a receiver.
+    /// Indices of a receiver's time and position among the fields.
     exact: Option<[usize; 3]>,
 }
 
-/// The number of a field in a message's data; NaN where there is none.
+/// The number of a field in a message's data; NaN if it is missing.
 fn number(field: Option<(Place, f64)>, data: &[u8]) -> f64 {
     let Some((place, factor)) = field else { return f64::NAN };
     let number = data.get(place.offset..).and_then(|bytes| place.scalar.read(bytes));
     match number {
-        // A division keeps the digits that a factor below one would cost.
+        // A division keeps the digits that a factor below one would lose.
         Some(number) if factor < 1.0 => number / (1.0 / factor).round(),
         Some(number) => number * factor,
         None => f64::NAN,
@@ -72,10 +73,10 @@ fn number(field: Option<(Place, f64)>, data: &[u8]) -> f64 {
 }
 
 impl Collected {
-    /// Everything of use in a log.
+    /// Collects all useful data of a log.
     pub fn read(reader: &mut Reader<'_>) -> Self {
         let mut collected = Self::default();
-        // By message id, with how many there were: looked up for each message.
+        // By message id, with the number of messages: looked up for each message.
         let mut plans: Vec<Option<(Plan, usize)>> = Vec::new();
         let mut latest_us = 0;
         while let Some(message) = reader.next() {
@@ -103,7 +104,7 @@ impl Collected {
                     }
                 }
                 Message::Parameter { name, value } => {
-                    // What comes after the first data is a change in flight.
+                    // A parameter after the first data was changed in flight.
                     if plans.is_empty() {
                         collected.parameters.insert(name.to_owned(), value);
                     } else {
@@ -126,7 +127,7 @@ impl Collected {
         collected
     }
 
-    /// Takes a message; its time.
+    /// Adds a message and returns its time.
     fn take(&mut self, plan: &mut Values, at: usize, data: &[u8]) -> Option<u64> {
         let time_us = data
             .get(plan.time.offset..)
@@ -136,7 +137,7 @@ impl Collected {
             self.unstamped += 1;
             return None;
         };
-        // The greatest time that a flight may have; beyond all clocks.
+        // Limited to the greatest time of a flight, which is beyond all clocks.
         let time_us = time_us.min(9_000_000_000_000_000);
         self.stamps_us.push(time_us);
         self.places.push(at);
@@ -172,13 +173,13 @@ fn plan(reader: &Reader<'_>, id: u16) -> Plan {
     Plan::Values(Values { rule, instance: subscription.instance, time, fields, group, exact })
 }
 
-/// The name of the field that a path begins with.
+/// The name of the first field in a path.
 fn first_step(path: &'static str) -> &'static str {
     path.split(['[', '.']).next().unwrap_or(path)
 }
 
-/// Fields of a topic that are missing by one letter: a definition has no check, and a flipped bit of it would
-/// cost a column without a word.
+/// Fields of a topic that are missing because of one letter: a definition has no checksum, and a flipped bit
+/// in it would lose a column without notice.
 fn misspelt(reader: &Reader<'_>, id: u16, values: &Values) -> Vec<(String, &'static str, String)> {
     let (Some(subscription), Some(rule)) = (reader.subscriptions.get(&id), RULES.get(values.rule)) else {
         return Vec::new();
@@ -189,7 +190,7 @@ fn misspelt(reader: &Reader<'_>, id: u16, values: &Values) -> Vec<(String, &'sta
     for (path, _) in missing.flat_map(|(field, _)| field.paths) {
         let wanted = first_step(path);
         let names: Vec<&str> = reader.formats.fields(&subscription.topic).collect();
-        // One that is there twice is known, and one of the two is not what it says.
+        // A name that occurs twice is known, and one of the two is wrong.
         let is_twice = |name: &str| names.iter().filter(|other| **other == name).count() > 1;
         let unknown = names.iter().filter(|name| paths().all(|path| path != **name) || is_twice(name));
         for name in unknown.filter(|name| strsim::osa_distance(name, wanted) == 1) {

@@ -1,4 +1,4 @@
-//! From a log's groups to a flight's columns.
+//! Converts a log's groups to a flight's columns.
 
 use super::collect::Collected;
 use super::gps::{Receiver, receiver};
@@ -13,8 +13,7 @@ use crate::import::table::{Destination, Filling, Group, Table, assemble};
 use crate::import::words::most_of;
 use flight_data::{Channel, Flight, Header, Note};
 
-/// Pressures below this are hectopascals: no aircraft flies where there are 2 kPa, and no weather makes 2000
-/// hPa.
+/// Pressures below this are in hectopascals: no aircraft flies at 2 kPa, and no weather makes 2000 hPa.
 const LEAST_PA: f32 = 2_000.0;
 
 struct Converter<'a> {
@@ -23,7 +22,7 @@ struct Converter<'a> {
     notes: Vec<String>,
 }
 
-/// Turns what was collected into a flight.
+/// Turns the collected data into a flight.
 pub fn convert(
     collected: &Collected,
     reader: &Reader<'_>,
@@ -95,7 +94,7 @@ fn header(collected: &Collected) -> Header {
         Some(text).filter(|text| !text.is_empty())
     };
     let mut vehicle = text("sys_name").unwrap_or_else(|| "PX4".to_owned());
-    // Major, minor, patch and kind of release, a byte each.
+    // Major, minor, patch and kind of release, one byte each.
     let release = collected.info.get("ver_sw_release").and_then(|bytes| bytes.first_chunk::<4>());
     if let Some([_, patch, minor, major]) = release {
         vehicle += &format!(" {major}.{minor}.{patch}");
@@ -108,7 +107,7 @@ fn header(collected: &Collected) -> Header {
     Header { vehicle, source: "imported PX4 ULog".to_owned(), other, ..Header::default() }
 }
 
-/// What the log has, what of it is used and what is not.
+/// The log's content: which of it is used and which is not.
 fn summary(collected: &Collected, reader: &Reader<'_>, messages: usize, duration_s: f64) -> Vec<String> {
     let kinds = |wanted: bool| {
         let mut found: Vec<(String, usize)> = Vec::new();
@@ -147,21 +146,21 @@ impl<'a> Converter<'a> {
         self.notes.push(text.into());
     }
 
-    /// The instances of a topic, the first one first.
+    /// The instances of a topic, in order.
     fn instances(&self, topic: &str) -> Vec<(u8, &'a Group)> {
         let Some(place) = RULES.iter().position(|rule| rule.topic == topic) else { return Vec::new() };
         let own = self.collected.groups.range((place, 0)..=(place, u8::MAX));
         own.map(|((_, instance), group)| (*instance, group)).collect()
     }
 
-    /// The values in one place of a topic's first instance, if there are any.
+    /// The values at one index of a topic's first instance, if there are any.
     fn samples(&self, topic: &str, place: usize) -> Option<Vec<(u32, f32)>> {
         let (_, group) = *self.instances(topic).first()?;
         let samples: Vec<(u32, f32)> = group.column(place).filter(|(_, value)| value.is_finite()).collect();
         (!samples.is_empty()).then_some(samples)
     }
 
-    /// The values in some places of each message of a topic's first instance.
+    /// The values at some indices of each message of a topic's first instance.
     fn rows<const N: usize>(&self, topic: &str, places: [usize; N]) -> Vec<(u32, [f32; N])> {
         let Some((_, group)) = self.instances(topic).first().copied() else { return Vec::new() };
         let mut rows: Vec<(u32, [f32; N])> =
@@ -234,7 +233,7 @@ impl<'a> Converter<'a> {
         }
     }
 
-    /// The pressures of the sensors themselves, as signals; the first one's in a channel where there is
+    /// Adds the pressures of the sensors themselves as signals; the first one's as a channel if there is
     /// nothing better.
     fn other_barometers(&mut self, first: Option<Channel>) {
         let instances: Vec<(u8, Vec<(u32, f32)>)> = self
@@ -306,7 +305,7 @@ impl<'a> Converter<'a> {
         self.note("throttle is the magnitude of vehicle_thrust_setpoint");
     }
 
-    /// The numbers that go where their rule says.
+    /// Adds the numbers whose rule names their column.
     fn plain(&mut self) {
         for rule in RULES {
             let instances = self.instances(rule.topic);
@@ -330,7 +329,7 @@ impl<'a> Converter<'a> {
     }
 }
 
-/// Roll, pitch and yaw of a quaternion from body to north-east-down axes (w, x, y, z).
+/// Roll, pitch and yaw of a quaternion (w, x, y, z) from body to north-east-down axes.
 fn euler_rad([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     let norm = w * w + x * x + y * y + z * z;
     let [w, x, y, z] = [w, x, y, z].map(|part| part / norm.sqrt());

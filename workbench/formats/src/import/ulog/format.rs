@@ -1,16 +1,16 @@
-//! What a ULog's messages look like, as its format definitions say.
+//! Layout of a ULog's messages, as given by its format definitions.
 //!
 //! Source: PX4 developer guide, "ULog File Format".
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-/// Formats within formats; a log that nests deeper is damaged.
+/// Largest nesting of formats; a log that nests deeper is damaged.
 const DEEPEST: usize = 8;
-/// More than a message's 16 bits of length.
+/// Limit on sizes and counts: more than a message's 16 bits of length.
 const LONGEST: usize = 1 << 16;
 
-/// A type that a field may have.
+/// A type of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scalar {
     I8,
@@ -26,7 +26,7 @@ pub enum Scalar {
 }
 
 impl Scalar {
-    /// Of its name.
+    /// The type of that name.
     pub fn of(name: &str) -> Option<Self> {
         Some(match name {
             "int8_t" => Self::I8,
@@ -43,7 +43,7 @@ impl Scalar {
         })
     }
 
-    /// Bytes of one.
+    /// Size of one value, bytes.
     pub const fn len(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -53,7 +53,7 @@ impl Scalar {
         }
     }
 
-    /// The number that these bytes begin with.
+    /// The number at the beginning of these bytes.
     pub fn read(self, bytes: &[u8]) -> Option<f64> {
         macro_rules! read {
             ($kind:ty) => {
@@ -79,17 +79,17 @@ impl Scalar {
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Member {
     kind: String,
-    /// How many of them.
+    /// Number of values.
     count: usize,
     name: String,
 }
 
-/// Where a number is in a message's data.
+/// Position of a number in a message's data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// From the data's beginning.
+    /// Offset from the beginning of the data.
     pub offset: usize,
-    /// What it is.
+    /// Its type.
     pub scalar: Scalar,
 }
 
@@ -97,12 +97,12 @@ pub struct Place {
 #[derive(Clone, Debug, Default)]
 pub struct Formats {
     of_name: BTreeMap<String, Vec<Member>>,
-    /// Sizes that are known already: a log may name the same formats within each other many thousand times.
+    /// Sizes already computed: a log may name the same formats within each other many thousand times.
     sizes: RefCell<BTreeMap<String, usize>>,
 }
 
 impl Formats {
-    /// Takes a definition's text; says whether it is one that does not contradict an earlier one.
+    /// Adds a definition's text; returns false if it is invalid or contradicts an earlier one.
     pub fn define(&mut self, text: &str) -> bool {
         let Some((name, members)) = parse(text) else { return false };
         match self.of_name.get(&name) {
@@ -114,7 +114,8 @@ impl Formats {
         }
     }
 
-    /// Bytes of a format's message, and how many of them are padding at its end, which a log may leave out.
+    /// Size of a format's message, bytes, and how many of them are padding at its end, which a log may leave
+    /// out.
     pub fn len(&self, name: &str) -> Option<(usize, usize)> {
         let members = self.of_name.get(name)?;
         let total = self.size(name, 0)?;
@@ -151,7 +152,7 @@ impl Formats {
         one.checked_mul(member.count).filter(|size| *size < LONGEST)
     }
 
-    /// Where a number is, by its path: `gyro_rad[2]`, `esc[0].esc_rpm`.
+    /// Position of a number, by its path: `gyro_rad[2]`, `esc[0].esc_rpm`.
     pub fn find(&self, format: &str, path: &str) -> Option<Place> {
         let mut format = format;
         let mut rest = path;
@@ -260,7 +261,7 @@ mod tests {
         ] {
             assert!(!formats.define(bad), "{bad}");
         }
-        // One that holds itself, and one that would be of gigabytes.
+        // One that contains itself, and one that would take gigabytes.
         assert!(formats.define("loop:loop[2] again;") && formats.define("wide:uint64_t[60000] a;"));
         assert_eq!((formats.len("loop"), formats.len("wide"), formats.len("none")), (None, None, None));
         assert_eq!(formats.find("loop", "again.again.again"), None);

@@ -1,4 +1,4 @@
-//! From a receiver's messages to fixes.
+//! Makes fixes from a receiver's messages.
 
 use super::collect::Collected;
 use super::rules::{FIXES, RULES};
@@ -6,10 +6,10 @@ use crate::import::fixes::{Fix, Fixes};
 use crate::import::receivers::Other;
 use crate::import::table::Group;
 
-/// The least type of a fix with an altitude.
+/// Lowest fix type that has an altitude.
 const IS_3D: f32 = 3.0;
 
-/// Places among a fix's numbers, by the rule.
+/// Indices of a fix's numbers, in the order of its rule.
 mod number {
     pub const TYPE: usize = 0;
     pub const TIME: usize = 1;
@@ -23,22 +23,22 @@ mod number {
     pub const WIDTH: usize = 12;
 }
 
-/// Numbers that are kept with every digit.
+/// Numbers that are kept at full precision.
 pub const EXACT: [usize; 3] = [number::TIME, number::LATITUDE, number::LONGITUDE];
 
-/// The receiver that is used.
+/// The receiver that serves as the reference.
 #[derive(Debug, Default)]
 pub struct Receiver {
     /// Its fixes.
     pub fixes: Fixes,
     /// Its topic and instance.
     pub source: (&'static str, u8),
-    /// Its messages without a 3D fix.
+    /// Number of its messages without a 3D fix.
     pub without: usize,
     /// Other receivers.
     pub others: Vec<Other>,
-    /// What is no receiver of its own: without a 3D fix, or where the reference itself comes from; and how
-    /// many 3D fixes it has.
+    /// Receivers that are left out: without a 3D fix, or the source of the reference itself; with their
+    /// number of 3D fixes.
     pub left_out: Vec<(&'static str, u8, usize)>,
 }
 
@@ -59,10 +59,10 @@ fn is_3d(numbers: &[f32; number::WIDTH]) -> bool {
     numbers[number::TYPE] >= IS_3D && numbers[number::ALTITUDE].is_finite()
 }
 
-/// A topic's instance, its messages, and how many of them have a 3D fix.
+/// Topic, instance, messages, and how many of them have a 3D fix.
 type Found<'a> = (&'static str, u8, &'a Group, usize);
 
-/// The receiver that the autopilot flew by, or else the one with most fixes.
+/// The receiver that the autopilot used, or else the one with the most fixes.
 pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
     let mut found: Vec<Found<'_>> = Vec::new();
     for topic in FIXES {
@@ -86,7 +86,7 @@ pub fn receiver(collected: &Collected, times_us: &[Option<u64>]) -> Receiver {
     let beside = found.iter().filter(|(other, number, ..)| (other, number) != (topic, instance));
     let (beside, mut left_out): (Vec<&Found<'_>>, Vec<&Found<'_>>) =
         beside.partition(|(.., count)| *count > 0);
-    // One sensor_gps beside vehicle_gps_position is what that was made of.
+    // A single sensor_gps beside vehicle_gps_position is the source of the latter.
     let alone = |topic: &str| beside.iter().filter(|(other, ..)| *other == topic).count() == 1;
     let (sources, others): (Vec<&Found<'_>>, Vec<&Found<'_>>) =
         beside.iter().partition(|(other, ..)| other != topic && alone(other));

@@ -1,8 +1,9 @@
 //! PX4's ULog (`.ulg`).
 //!
-//! A log defines its own messages, and nothing in it is checked by a CRC: what is damaged is found by the
-//! message that must follow each message, and by times that contradict those around them. The crates
-//! `yule_log` and `px4-ulog` stop at damage, the latter by a panic on some files, so this reader is our own.
+//! A log defines its own messages, and no CRC protects any of it. Damage is found in two ways: each message
+//! must be followed by another valid message, and times must agree with those around them. The crates
+//! `yule_log` and `px4-ulog` stop at damage, the latter with a panic on some files, so this reader is our
+//! own.
 //!
 //! | in the log | in the flight |
 //! |---|---|
@@ -30,7 +31,7 @@ use flight_data::{Flight, Note};
 use collect::Collected;
 use reader::{MAGIC, Reader};
 
-/// The importer of PX4's logs.
+/// Importer of PX4 logs.
 #[derive(Clone, Copy, Debug)]
 pub struct Ulog;
 
@@ -68,7 +69,7 @@ impl Importer for Ulog {
     }
 }
 
-/// What is lost with a definition: topics of which data come that cannot be read.
+/// Notes on topics whose data are in the log but cannot be read, because a definition is lost.
 fn lost_topics(reader: &Reader<'_>, collected: &Collected) -> Vec<String> {
     let (mut unknown, mut undefined, mut of_another_length) = (Vec::new(), Vec::new(), Vec::new());
     for (id, count) in &reader.unsubscribed {

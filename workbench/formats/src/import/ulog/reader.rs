@@ -1,34 +1,34 @@
-//! The messages of a ULog, and what is none.
+//! Reads the messages of a ULog and skips what is not a message.
 
 use std::collections::BTreeMap;
 
 use super::format::Formats;
 use crate::import::damage::Damage;
 
-/// What every ULog begins with; then come a version and the time of its start.
+/// Start of every ULog; a version and the start time follow.
 pub const MAGIC: [u8; 7] = [b'U', b'L', b'o', b'g', 0x01, 0x12, 0x35];
 /// Bytes before the first message.
 const FILE_HEADER: usize = 16;
-/// A message's length and kind.
+/// Size of a message's header (length and kind), bytes.
 const HEADER: usize = 3;
-/// What a message of kind S holds.
+/// Payload of a message of kind S.
 const SYNC: [u8; 8] = [0x2f, 0x73, 0x13, 0x20, 0x25, 0x0c, 0xbb, 0x12];
-/// The only flag of those that a reader must know that there is: data were appended.
+/// The only incompatible flag that this reader supports: data were appended.
 const DATA_APPENDED: u8 = 1;
 
-/// One topic that is logged.
+/// One logged topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Subscription {
     /// Its name.
     pub topic: String,
     /// Its instance.
     pub instance: u8,
-    /// Bytes of its data, and how many of them may be missing; none if its format is not defined.
+    /// Length of its data and how many bytes of it may be missing; none if its format is not defined.
     pub len: Option<(usize, usize)>,
 }
 
 impl Subscription {
-    /// What users call it: the first instance has no number.
+    /// Its name for users: the first instance has no number.
     pub fn name(&self) -> String {
         let number = u16::from(self.instance) + 1;
         let instance = if number > 1 { format!(" {number}") } else { String::new() };
@@ -36,7 +36,7 @@ impl Subscription {
     }
 }
 
-/// One message that was read.
+/// One message.
 #[derive(Clone, Copy, Debug)]
 pub enum Message<'a> {
     /// Data of a topic.
@@ -45,36 +45,35 @@ pub enum Message<'a> {
     Parameter { name: &'a str, value: f64 },
     /// A text about the log: its name and value.
     Info { name: &'a str, value: &'a [u8] },
-    /// The logger lost data for so many milliseconds.
+    /// The logger lost data for this many milliseconds.
     Dropout { ms: u16 },
 }
 
-/// A ULog's messages, in its order.
+/// The messages of a ULog, in file order.
 pub struct Reader<'a> {
     log: &'a [u8],
     at: usize,
-    /// Where data were appended after a crash; what was being written there ends.
+    /// Where data were appended after a crash; the message that was being written ends there.
     appended: Vec<usize>,
-    /// Every format.
+    /// All format definitions.
     pub formats: Formats,
     /// Topics by message id.
     pub subscriptions: BTreeMap<u16, Subscription>,
-    /// Bytes of the data by message id, and how many of them may be missing: what every message is asked for
-    /// twice.
+    /// By message id, the length of the data and how many bytes of it may be missing. Every message looks
+    /// this up twice.
     lengths: Vec<Option<(usize, usize)>>,
-    /// Place and end of the message that vouches for the one before it: the next one to be read, whose end is
-    /// known.
+    /// Place and end of the message that confirms the one before it. It is read next, so its end is kept.
     ahead: Option<(usize, usize)>,
-    /// What was left out.
+    /// What was left out as damaged.
     pub damage: Damage,
-    /// Messages that were being written when the autopilot failed, behind which data were appended.
+    /// Messages that were cut short when the autopilot failed; appended data follow them.
     pub interrupted: usize,
-    /// Definitions that are none or contradict an earlier one.
+    /// Definitions that are invalid or contradict an earlier one.
     pub bad_definitions: usize,
-    /// Data that cannot be read, by id: nothing subscribes it, or its format is not defined or of another
-    /// length.
+    /// Number of unreadable data messages by id: the id has no subscription, or its format is undefined or
+    /// has another length.
     pub unsubscribed: BTreeMap<u16, usize>,
-    /// Flags that this reader does not know, if there are any.
+    /// Whether there are flags that this reader does not support.
     pub unknown_flags: bool,
 }
 
@@ -82,7 +81,7 @@ fn text(bytes: &[u8]) -> Option<&str> {
     std::str::from_utf8(bytes).ok().map(|text| text.trim_end_matches('\0'))
 }
 
-/// A length of 8 bits, so much, and the rest: `float NAME` and its value.
+/// Splits an 8-bit length, a key of that length such as `float NAME`, and its value.
 fn keyed(payload: &[u8]) -> Option<(&str, &str, &[u8])> {
     let (length, rest) = payload.split_first()?;
     let (key, value) = rest.split_at_checked(usize::from(*length))?;
@@ -99,7 +98,7 @@ fn u64_at(bytes: &[u8], at: usize) -> Option<u64> {
 }
 
 impl<'a> Reader<'a> {
-    /// The messages of a log that begins with [`MAGIC`].
+    /// Reader of a log that begins with [`MAGIC`].
     pub fn new(log: &'a [u8]) -> Self {
         Self {
             log,
@@ -117,14 +116,14 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Kind and payload of what may be a message, whatever is in it.
+    /// Kind and payload range of a possible message, whatever its content.
     fn header(&self, at: usize) -> Option<(u8, usize, usize)> {
         let &[low, high, kind] = self.log.get(at..at + HEADER)? else { return None };
         let (start, length) = (at + HEADER, usize::from(u16::from_le_bytes([low, high])));
         Some((kind, start, start + length))
     }
 
-    /// The end of what is a message by its kind and length, even if the log ends before.
+    /// The end of a message that is valid by its kind and length, even if the log ends before it.
     fn end(&self, at: usize) -> Option<usize> {
         let (kind, start, end) = self.header(at)?;
         let length = end - start;
@@ -148,8 +147,8 @@ impl<'a> Reader<'a> {
                         payload.get(3..).is_some_and(|name| name.iter().all(u8::is_ascii_graphic))
                     })
             }
-            // Only the first message may be this one: another would be a damaged definition that changes how
-            // all is read.
+            // Only the first message may be of this kind. Another one would be a damaged definition that
+            // changes how everything is read.
             b'B' => at == FILE_HEADER && length >= 40,
             b'L' => {
                 length >= 9
@@ -165,7 +164,7 @@ impl<'a> Reader<'a> {
         fits.then_some(end)
     }
 
-    /// Whether a whole message is there, with another one, or the log's end, or appended data, behind it.
+    /// Whether a whole message is there, followed by another one, the log's end or appended data.
     fn is_vouched_for(&self, at: usize) -> bool {
         self.end(at).is_some_and(|end| {
             end == self.log.len()
@@ -173,7 +172,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// Whether what ends there has another message, or the log's end, or appended data, behind it.
+    /// Whether a message that ends there is followed by another one, the log's end or appended data.
     fn is_followed(&mut self, end: usize) -> bool {
         self.ahead = self.end(end).map(|next_end| (end, next_end));
         end == self.log.len()
@@ -184,8 +183,8 @@ impl<'a> Reader<'a> {
         (from..to.min(self.log.len())).find(|at| self.is_vouched_for(*at))
     }
 
-    /// Whether a message with some header is there, of a topic that nothing subscribes, and another message
-    /// behind it.
+    /// Skips a data message whose id has no subscription, if another message follows it. Returns whether it
+    /// did.
     fn skip_unsubscribed(&mut self) -> bool {
         let Some((b'D', start, end)) = self.header(self.at) else { return false };
         let Some(id) = self.log.get(start..).and_then(|data| data.first_chunk()) else { return false };
@@ -226,7 +225,7 @@ impl<'a> Reader<'a> {
                 let len = self.formats.len(topic);
                 let found = Subscription { topic: topic.to_owned(), instance: *instance, len };
                 self.bad_definitions += usize::from(len.is_none());
-                // Two ids of one instance: one of the two definitions is damaged, and which one nothing says.
+                // Two ids for one instance: one of the two definitions is damaged, and it is unknown which.
                 let is_taken = self.subscriptions.iter().any(|(other, known)| {
                     *other != id && known.topic == found.topic && known.instance == found.instance
                 });
@@ -255,7 +254,7 @@ impl<'a> Iterator for Reader<'a> {
     fn next(&mut self) -> Option<Message<'a>> {
         while self.at < self.log.len() {
             let at = self.at;
-            // A length that is known stays as it is, so an end does too, whatever was defined since.
+            // A known length never changes, so the end stays valid whatever was defined since.
             let ahead = self.ahead.take().filter(|(place, _)| *place == at);
             let end = ahead.map_or_else(|| self.end(at), |(_, end)| Some(end));
             // A message that was being written when the autopilot failed ends where data were appended.

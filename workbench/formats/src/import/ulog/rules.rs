@@ -1,4 +1,4 @@
-//! What of each topic is of use, and where in a flight it goes.
+//! Which fields of each topic are used, and where in a flight they go.
 
 use flight_data::Channel;
 
@@ -9,14 +9,14 @@ pub enum Target {
     Channel(Channel),
     /// A signal.
     Signal(&'static str),
-    /// Nowhere as it stands: what is made of it needs others beside it.
+    /// No column of its own: it is combined with other fields.
     Part,
 }
 
 /// A number of a topic.
 #[derive(Clone, Copy, Debug)]
 pub struct FieldRule {
-    /// The paths that it has had, newest first, each with what one of it is in the flight's unit.
+    /// The paths that it has had, newest first, each with the factor to the flight's unit.
     pub paths: &'static [(&'static str, f64)],
     /// Where it goes.
     pub target: Target,
@@ -43,7 +43,7 @@ const fn part(path: &'static [(&'static str, f64)]) -> FieldRule {
     FieldRule { paths: path, target: Target::Part }
 }
 
-/// The receiver's fix, in the order of [`super::gps`]' places. Two topics have it.
+/// The receiver's fix, in the order of the indices in [`super::gps`]. Two topics have it.
 const FIX: &[FieldRule] = &[
     part(&[("fix_type", 1.0)]),
     part(&[("time_utc_usec", 1.0), ("time_gps_usec", 1.0)]),
@@ -59,10 +59,10 @@ const FIX: &[FieldRule] = &[
     part(&[("vel_ned_valid", 1.0)]),
 ];
 
-/// The topics of which there is one source of each kind that counts, the better one first.
+/// Topics with a receiver's fix, the preferred one first.
 pub const FIXES: [&str; 2] = ["vehicle_gps_position", "sensor_gps"];
 
-/// Every topic of use. What the autopilot estimated begins with `autopilot_`.
+/// Every topic that is used. Names of the autopilot's own estimates begin with `autopilot_`.
 pub const RULES: &[Rule] = &[
     Rule { topic: "vehicle_gps_position", fields: FIX },
     Rule { topic: "sensor_gps", fields: FIX },
@@ -88,7 +88,7 @@ pub const RULES: &[Rule] = &[
             channel(&[("gyro_rad[0]", 1.0), ("gyro_rad_s[0]", 1.0)], Channel::GyroXRadps),
             channel(&[("gyro_rad[1]", 1.0), ("gyro_rad_s[1]", 1.0)], Channel::GyroYRadps),
             channel(&[("gyro_rad[2]", 1.0), ("gyro_rad_s[2]", 1.0)], Channel::GyroZRadps),
-            // Before there was vehicle_air_data.
+            // From before vehicle_air_data existed.
             part(&[("baro_alt_meter", 1.0), ("baro_alt_meter[0]", 1.0)]),
             part(&[("baro_temp_celcius", 1.0), ("baro_temp_celcius[0]", 1.0)]),
         ],
@@ -166,7 +166,7 @@ pub const RULES: &[Rule] = &[
             signal(&[("accel_bias[2]", 1.0)], "autopilot_accel_bias_z_mps2"),
         ],
     },
-    // What was called so before there was estimator_sensor_bias.
+    // The same under its name from before estimator_sensor_bias existed.
     Rule {
         topic: "sensor_bias",
         fields: &[

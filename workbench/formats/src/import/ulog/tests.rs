@@ -53,7 +53,7 @@ impl Writer {
         self.message(b'A', &payload);
     }
 
-    /// Data of an id, its members' numbers in order; padding is left out.
+    /// Data of an id: its members' numbers in order, without padding.
     fn data(&mut self, id: u16, numbers: &[f64]) {
         let topic = self.ids.iter().find(|(known, ..)| *known == id).unwrap().1;
         let members = self.formats.iter().find(|(name, _)| *name == topic).unwrap().1;
@@ -200,7 +200,7 @@ fn a_copters_log_has_every_channel_in_the_flights_units() {
     ];
     assert_channels(&flight, &expected);
     assert_eq!(doubles(&flight, "latitude_deg")[0], 47.123_456_7);
-    // Hectopascals, as old releases have them.
+    // Hectopascals, as in old releases.
     assert_eq!(signal(&flight, "baro_2_pa")[0], 95_100.0);
     for words in [
         "750 messages over 9.9 s; read: actuator_controls_0 (100), sensor_baro (100), sensor_baro 2 (100)",
@@ -261,7 +261,7 @@ fn topics_of_newer_and_older_releases_are_known() {
     }
 }
 
-/// The autopilot's choice is the reference, and what each of its two receivers said is kept beside it.
+/// The autopilot's choice is the reference, and the data of its two receivers are kept beside it.
 #[test]
 fn of_several_receivers_each_is_kept_and_how_far_they_are_apart_is_said() {
     let gps = "uint64_t timestamp;uint64_t time_utc_usec;int32_t lat;int32_t lon;int32_t alt;float epv;float vel_n_m_s;float \
@@ -316,12 +316,12 @@ fn of_several_receivers_each_is_kept_and_how_far_they_are_apart_is_said() {
     let words = "vehicle_gps_position 1, with 50 3D fixes, is the reference; sensor_gps 2, with 50, is kept as gps_2_alt_m and other \
                  signals gps_2_*: its altitude is +2.5 m from the other's in the middle, and +2.5 to +2.5 m in 96 of 100 fixes";
     assert!(said(&notes, words), "{notes:#?}");
-    // What is written is read again.
+    // The flight can be written and read back.
     let mut written = Vec::new();
     flight_data::to_writer(&mut written, &flight).unwrap();
     let (again, remarks) = flight_data::parse(&written).unwrap();
     assert_eq!((signal(&again, "gps_2_alt_m").len(), remarks.len()), (50, 0), "{remarks:?}");
-    // A single one is what the reference was made of.
+    // A single receiver is the source of the reference.
     let (flight, notes) = import(&log_of(1));
     assert!(
         signal(&flight, "gps_1_alt_m").is_empty() && said(&notes, "sensor_gps 1: 50 3D fixes, left out"),
@@ -353,7 +353,7 @@ fn columns(flight: &flight_data::Flight) -> Vec<(String, Vec<(u64, u32)>)> {
         .collect()
 }
 
-/// Definitions have no check of their own: what goes with one is said.
+/// Definitions have no check of their own: what is lost with one is reported.
 #[test]
 fn a_flipped_bit_of_a_definition_costs_nothing_without_a_word() {
     let log = copter(1);
@@ -362,7 +362,7 @@ fn a_flipped_bit_of_a_definition_costs_nothing_without_a_word() {
     let mut lost = 0;
     for (at, kind) in log.places.iter().take_while(|(_, kind)| *kind != b'D') {
         let length = usize::from(u16::from_le_bytes([log.log[*at], log.log[at + 1]]));
-        // A parameter's or a text's value is what it says.
+        // Any value of a parameter or a text is valid.
         let end = if matches!(kind, b'I' | b'P') { at + 3 } else { at + 3 + length };
         for (byte, bit) in (*at..end).flat_map(|byte| (0..8).map(move |bit| (byte, bit))) {
             let mut bytes = log.log.clone();
@@ -372,7 +372,7 @@ fn a_flipped_bit_of_a_definition_costs_nothing_without_a_word() {
             let samples = |columns: &[(String, Vec<_>)]| {
                 columns.iter().map(|(_, samples)| samples.len()).sum::<usize>()
             };
-            // Another instance's number gives a signal another name, and takes nothing away.
+            // A changed instance number renames a signal but loses no data.
             let is_renamed = *kind == b'A' && byte == at + 3 && samples(&found) == samples(&clean);
             if found == clean || is_renamed {
                 continue;
@@ -439,7 +439,7 @@ fn a_topic_that_is_lost_with_its_definition_is_named() {
         let notes = damaged(at, letter);
         assert!(said(&notes, words), "{words}: {notes:#?}");
     }
-    // The receiver's own definition takes the log with it, and the refusal says why.
+    // Damage to the receiver's own definition makes the log unusable, and the refusal gives the reason.
     let mut bytes = log.log.clone();
     bytes[place("vehicle_gps_position:")] = b'w';
     let error = crate::import::import(&bytes).unwrap_err().to_string();
@@ -513,7 +513,7 @@ fn what_is_of_no_use_is_refused_with_what_was_read() {
     assert!(Ulog.import(&MAGIC).is_err());
 }
 
-/// Formats within formats, each many times: sizes that would be found anew at each place took longer than a
+/// Formats within formats, each many times: computing the sizes again at each place took longer than a
 /// flight.
 #[test]
 fn formats_that_name_each_other_many_times_do_not_hang() {
