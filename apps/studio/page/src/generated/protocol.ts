@@ -3,7 +3,7 @@
 // A number that is not finite comes as null, also where the type says `number`.
 
 /**
- * An effect and its coefficient, as a diagnosis' candidate has them.
+ * An effect and its coefficient, as in a diagnosis' candidate.
  */
 export type Acting = { 
 /**
@@ -36,15 +36,15 @@ effect: string,
  */
 flights: Array<string>, 
 /**
- * The flights to judge by.
+ * The held-out flights.
  */
 hold_outs: Array<string>, 
 /**
- * The model as it is.
+ * The current model.
  */
 model: ModelText, 
 /**
- * What the user says of their times.
+ * The user's times for them.
  */
 times: { [key in string]: Times }, 
 /**
@@ -60,7 +60,7 @@ time_constant_s: number | null,
  */
 since: string | null, 
 /**
- * The day to write down, as 2026-01-31.
+ * The date to record, as 2026-01-31.
  */
 date: string, };
 
@@ -69,8 +69,8 @@ date: string, };
  */
 export type Added = { 
 /**
- * What `pylon add --json` prints. Where it has `concerns`, the command line would not write it without
- * being told to.
+ * What `pylon add --json` prints. If it has `concerns`, the command line would not write it without
+ * `--force`.
  */
 addition: Addition, 
 /**
@@ -78,12 +78,12 @@ addition: Addition,
  */
 model: ModelText, 
 /**
- * In one sentence: what was learned, and how the error falls.
+ * What was learned and how the error falls, in one sentence.
  */
 headline: Headline, 
 /**
- * Every revision of that model on the flights, those to learn from first: what [`LadderRequest`] is
- * answered by. Null where a flight has nothing to calibrate on.
+ * Every revision of that model on the flights, those to learn from first: the answer to a
+ * [`LadderRequest`]. Null if a flight cannot be calibrated.
  */
 ladder: Ladder | null, };
 
@@ -92,7 +92,7 @@ ladder: Ladder | null, };
  */
 export type Addition = { 
 /**
- * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ * Version of the keys' meaning. It increases where a key changes its meaning or is removed.
  */
 version: number, 
 /**
@@ -112,19 +112,21 @@ sigma: number,
  */
 unit: string, 
 /**
- * Root mean square error of the sensors concerned before, on what `judged_on` says, metres.
+ * Root mean square error of the sensors concerned before the addition, on the data named by `judged_on`,
+ * metres.
  */
 rms_before_m: number | null, 
 /**
- * And after, metres.
+ * The same after the addition, metres.
  */
 rms_after_m: number | null, 
 /**
- * What these two, and the verdict, are of.
+ * The data to which these two and the verdict refer.
  */
 judged_on: JudgedOn, 
 /**
- * What decides, rather than these two: the likelihood of what was held out, which knows the wander.
+ * The likelihood of the held-out data, which accounts for the wander. It decides, rather than the two
+ * errors.
  */
 held_out_verdict: HeldOutVerdict, 
 /**
@@ -152,7 +154,7 @@ envelope_m: [number, number] | null,
  */
 estimate: boolean, 
 /**
- * The coefficient that it takes the place of.
+ * The coefficient that it replaces.
  */
 replaced_coefficient: number | null, 
 /**
@@ -168,7 +170,7 @@ learning: Array<FlightChange>,
  */
 held_out: Array<FlightChange>, 
 /**
- * What speaks against it: without being told to go on all the same, nothing should be written.
+ * Evidence against it: nothing should be written unless the user insists.
  */
 concerns: Array<string>, 
 /**
@@ -177,7 +179,7 @@ concerns: Array<string>,
 warnings: Array<string>, };
 
 /**
- * Take-off and landing, seconds of the flight's own clock; null: in the air already when the log begins, or
+ * Take-off and landing, seconds of the flight's own clock; null: already in the air when the log begins, or
  * still when it ends.
  */
 export type Airborne = { 
@@ -208,7 +210,7 @@ landing_s: number | null,
 duration_s: number, };
 
 /**
- * Several flights, one by one.
+ * Several flights, diagnosed one by one.
  */
 export type Batch = { 
 /**
@@ -216,7 +218,7 @@ export type Batch = {
  */
 by_flight: Array<FlightResult>, 
 /**
- * The vehicles, by their names.
+ * The vehicles, by name.
  */
 by_vehicle: Array<VehicleResult>, };
 
@@ -225,7 +227,7 @@ by_vehicle: Array<VehicleResult>, };
  */
 export type CalibrationFacts = { 
 /**
- * `good`, `degraded`, or null when nothing was latched.
+ * `good`, `degraded`, or null if nothing was latched.
  */
 quality: string | null, 
 /**
@@ -237,7 +239,7 @@ failed_checks: Array<string>,
  */
 duration_s: number | null, 
 /**
- * What decided when the captive flight ends.
+ * What determined the end of captive flight.
  */
 source: string, };
 
@@ -250,11 +252,11 @@ export type CandidateFacts = {
  */
 effect: string, 
 /**
- * Estimated coefficient: beside the other effects found, or alone if it was not.
+ * Estimated coefficient: together with the other effects found, or alone if the effect was not chosen.
  */
 coefficient: number, 
 /**
- * One sigma of it, its autocorrelated noise and its spread over the manoeuvres accounted for.
+ * One sigma of the coefficient, including autocorrelated noise and the spread over the manoeuvres.
  */
 sigma: number, 
 /**
@@ -262,47 +264,47 @@ sigma: number,
  */
 unit: string, 
 /**
- * The probability that it acts, beside what else may: of the sets of effects that explain the flights,
- * those that have it. Where the climb rate is measured only what is identified and the members of a set
- * have one: in that place.
+ * Probability that the effect acts: the sum over the sets of effects that explain the flights and
+ * contain it. Where the climb rate is measured, only identified effects and members of a set have one,
+ * which is the probability within that set.
  */
 probability: number | null, 
 /**
- * Chance of as strong a fit if the effect did not act, times the number of effects tried.
+ * Probability of as strong a fit if the effect did not act, times the number of effects tried.
  */
 p_value: number, 
 /**
- * Root mean square of the held-out errors without it, with every other chosen one, m.
+ * Root mean square of the held-out errors without this effect, with every other chosen one, m.
  */
 rms_before_m: number | null, 
 /**
- * With it beside those, m; neither is there where most of the error would be the coefficient's own,
- * which what is held out alone shows.
+ * The same with this effect, m. Both are absent where most of the error would come from the
+ * coefficient's own uncertainty, because only the held-out part shows the effect.
  */
 rms_after_m: number | null, 
 /**
- * Whether it is part of the explanation.
+ * Whether the effect is part of the explanation.
  */
 chosen: boolean, 
 /**
- * Time constant of its regressor, s, where it has one.
+ * Time constant of the regressor, s, if it has one.
  */
 time_constant_s: number | null, 
 /**
- * Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if one
- * does.
+ * Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if there
+ * is one.
  */
 smoothing_s: number | null, 
 /**
- * When that regressor's clock starts, where it has a time constant: `launch` or `start`.
+ * When the clock of a regressor with a time constant starts: `launch` or `start`.
  */
 since: string | null, 
 /**
- * How much of the residual it makes in free flight, rms, m.
+ * How much of the residual the effect makes in free flight, rms, m.
  */
 size_m: number, 
 /**
- * The range of its regressor in these flights, m per unit.
+ * The range of the regressor in these flights, m per unit.
  */
 envelope_m: [number, number], };
 
@@ -320,16 +322,16 @@ flight: string, };
  */
 export type Closed = { 
 /**
- * False for one that was not open.
+ * False if it was not open.
  */
 was_open: boolean, };
 
 /**
- * One effect's coefficient by one flight.
+ * One effect's coefficient from one flight.
  */
 export type Coefficient = { 
 /**
- * The estimate: beside what that flight shows to be missing.
+ * The estimate, fitted together with the effects that this flight shows to be missing.
  */
 value: number, 
 /**
@@ -346,15 +348,15 @@ identified: boolean, };
  */
 export type ColumnFacts = { 
 /**
- * Its name; a known one's says the unit.
+ * Its name, which for a known column includes the unit.
  */
 name: string, 
 /**
- * Whether Pylon knows what it is.
+ * Whether Pylon knows the column.
  */
 is_known: boolean, 
 /**
- * How many values it has.
+ * Number of values.
  */
 values: number, };
 
@@ -371,7 +373,7 @@ flight: string,
  */
 model: ModelText, 
 /**
- * What the user says of its times.
+ * The user's times for it.
  */
 times: Times, };
 
@@ -384,17 +386,17 @@ export type Compared = {
  */
 comparison: Comparison, 
 /**
- * In one sentence.
+ * The result in one sentence.
  */
 headline: Headline, };
 
 /**
- * How well a model agrees with a flight. Serialised, a value that does not exist is null, and so is
- * one that is not finite.
+ * How well a model agrees with a flight. When serialised, a value that does not exist or is not finite is
+ * null.
  */
 export type Comparison = { 
 /**
- * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ * Version of the meaning of these keys: it changes if a key changes its meaning or is removed.
  */
 version: number, 
 /**
@@ -406,7 +408,7 @@ flight: FlightFacts,
  */
 model: string, 
 /**
- * When the UAV was launched, by the flight's own clock, seconds.
+ * Time of the launch by the flight's own clock, seconds.
  */
 launch_s: number | null, 
 /**
@@ -414,8 +416,8 @@ launch_s: number | null,
  */
 sensors: { [key in string]: SensorComparison }, 
 /**
- * What barometer and inertial altitude said of each other while the reference was lost in free
- * flight; null where it never was, or no pair of readings came.
+ * Cross-check of barometer and inertial altitude while the reference was lost in free flight; null if it
+ * never was, or if no pair of readings came.
  */
 cross_check: CrossCheckFacts | null, 
 /**
@@ -435,11 +437,11 @@ effects: Array<EffectFacts>,
  */
 monitor: MonitorFacts, 
 /**
- * What the monitor's rule costs and catches, and a better one, by sensor.
+ * Cost and detection of the monitor's rule, and a better rule, by sensor.
  */
 rules: { [key in string]: SensorRules }, 
 /**
- * Section 4's second correction, side by side.
+ * Section 4's second corrections, side by side.
  */
 remedies: Array<Remedy>, 
 /**
@@ -447,7 +449,7 @@ remedies: Array<Remedy>,
  */
 failures: Failures, 
 /**
- * What was in the flight and not used as it stood.
+ * Data of the flight that was not used unchanged.
  */
 warnings: Array<string>, };
 
@@ -465,7 +467,7 @@ time_s: number,
 variance_m2: number, };
 
 /**
- * What [`NisSummary`] found.
+ * Result of [`NisSummary`].
  */
 export type Consistency = { 
 /**
@@ -473,7 +475,7 @@ export type Consistency = {
  */
 mean: number, 
 /**
- * Lower 95 % bound of the mean, were the filter consistent.
+ * Lower 95 % bound of the mean for a consistent filter.
  */
 lower: number, 
 /**
@@ -485,11 +487,11 @@ upper: number,
  */
 beyond_three_sigmas: number, 
 /**
- * How many innovations there were.
+ * Number of innovations.
  */
 count: number, 
 /**
- * How many independent ones they are worth.
+ * Number of independent innovations that they are worth.
  */
 effective_count: number, };
 
@@ -498,8 +500,7 @@ effective_count: number, };
  */
 export type Correlated = { 
 /**
- * Lags, seconds; of a cross-correlation on both sides of zero, positive where the signal is behind the
- * other.
+ * Lags, seconds; for a cross-correlation on both sides of zero, positive if the signal lags the other.
  */
 lag_s: Numbers, 
 /**
@@ -507,27 +508,27 @@ lag_s: Numbers,
  */
 correlation: Numbers, 
 /**
- * Half the width of the band that 99 of 100 correlations at a lag lie in where there is none, as
- * MATLAB's `resid` draws it: of white noise for an autocorrelation, by Bartlett's formula, from both
- * autocorrelations, for a cross-correlation.
+ * Half the width of the band that holds 99 of 100 correlations at a lag if there is no true correlation,
+ * as MATLAB's `resid` draws it: that of white noise for an autocorrelation; by Bartlett's formula, from
+ * both autocorrelations, for a cross-correlation.
  */
 band: number, 
 /**
- * Length of the block means that it is made of, seconds.
+ * Length of the blocks whose means are correlated, seconds.
  */
 block_s: number, 
 /**
- * How many.
+ * Number of blocks.
  */
 blocks: number, 
 /**
- * Whether the time asked for was too short, or the signal has too many gaps, for lags that long; they
- * end sooner.
+ * Whether the lags end sooner than asked for, because the time is too short or the signal has too many
+ * gaps.
  */
 is_cut: boolean, };
 
 /**
- * Asks how a signal (a sensor's error) is correlated with itself or another.
+ * Asks for the correlation of a signal (a sensor's error) with itself or another.
  */
 export type CorrelationRequest = { 
 /**
@@ -535,11 +536,11 @@ export type CorrelationRequest = {
  */
 flight: string, 
 /**
- * The model that flies.
+ * The model to fly.
  */
 model: ModelText, 
 /**
- * What the user says of its times.
+ * The user's times for it.
  */
 times: Times, 
 /**
@@ -547,15 +548,15 @@ times: Times,
  */
 signal: Signal, 
 /**
- * The other; null: with itself.
+ * The other signal; null: the signal itself.
  */
 with: Signal | null, 
 /**
- * From when, seconds of the flight's own clock; null: from its first row.
+ * Start, seconds of the flight's own clock; null: its first row.
  */
 from_s: number | null, 
 /**
- * To when; null: to its last.
+ * End; null: its last row.
  */
 to_s: number | null, 
 /**
@@ -564,11 +565,11 @@ to_s: number | null,
 longest_lag_s: number, };
 
 /**
- * Barometer less inertial altitude while the reference was lost, each by its latched bias.
+ * Barometer less inertial altitude while the reference was lost, each with its latched bias.
  */
 export type CrossCheckFacts = { 
 /**
- * Pairs of readings.
+ * Number of pairs of readings.
  */
 pairs: number, 
 /**
@@ -576,7 +577,7 @@ pairs: number,
  */
 largest_difference_m: number, 
 /**
- * What the two had come to after the last pair: `agree`, `doubtful` or `disagree`.
+ * Their agreement after the last pair: `agree`, `doubtful` or `disagree`.
  */
 agreement: string, 
 /**
@@ -589,7 +590,7 @@ doubtful_after_s: number | null,
 disagree_after_s: number | null, };
 
 /**
- * An effect by formula that can be used.
+ * A usable effect by formula.
  */
 export type Defined = { 
 /**
@@ -601,21 +602,21 @@ effect: string,
  */
 unit: string, 
 /**
- * The largest plausible coefficient, either way.
+ * The largest plausible coefficient, of either sign.
  */
 largest: number, 
 /**
- * The coefficient that fits the error by least squares, with a constant beside it. The filter, the other
- * effects and the noise's colour are not in it: it is for the eye. `add` learns the coefficient that
- * counts.
+ * The coefficient that fits the error by least squares, together with a constant. It ignores the filter,
+ * the other effects and the noise's colour, and is for display only. `add` learns the coefficient for
+ * the model.
  */
 coefficient: number, 
 /**
- * Share of the error's variance that it explains there, from 0 to 1.
+ * Share of the error's variance that it explains, from 0 to 1.
  */
 explained: number, 
 /**
- * What the formula says, metres per unit of the coefficient: means over blocks of the flight.
+ * The formula's value, metres per unit of the coefficient: means over blocks of the flight.
  */
 x: Numbers, 
 /**
@@ -623,12 +624,12 @@ x: Numbers,
  */
 y: Numbers, 
 /**
- * The model with the definition; nothing is learned yet.
+ * The model with the definition, whose coefficient is not learned yet.
  */
 model: ModelText, };
 
 /**
- * How long after a fault the sensor is called untrustworthy.
+ * Delay from a fault until the sensor is called untrustworthy.
  */
 export type Delay = { 
 /**
@@ -653,7 +654,7 @@ export type DiagnoseRequest = {
  */
 flights: Array<string>, 
 /**
- * The flights to judge by; without, stretches of the flights are held out in turn.
+ * The held-out flights; if there are none, stretches of the flights are held out in turn.
  */
 hold_outs: Array<string>, 
 /**
@@ -661,7 +662,7 @@ hold_outs: Array<string>,
  */
 model: ModelText, 
 /**
- * What the user says of their times.
+ * The user's times for them.
  */
 times: { [key in string]: Times }, };
 
@@ -670,15 +671,16 @@ times: { [key in string]: Times }, };
  */
 export type Diagnosed = { 
 /**
- * What `pylon diagnose --json` prints of all flights together. A value that is not finite is null.
+ * What `pylon diagnose --json` prints for all flights together. A value that is not finite is null.
  */
 diagnosis: Diagnosis, 
 /**
- * Of several flights: what each says alone, by vehicle, and which do not belong with the others.
+ * For several flights: each flight's own result, by vehicle, and which flights do not belong with the
+ * others.
  */
 batch: Batch | null, 
 /**
- * In one sentence.
+ * The result in one sentence.
  */
 headline: Headline, };
 
@@ -695,11 +697,11 @@ file: string,
  */
 calibration: string, 
 /**
- * Blocks of residuals that were worked on.
+ * Number of blocks of residuals that were used.
  */
 blocks: number, 
 /**
- * Their length, s.
+ * Length of a block, s.
  */
 block_s: number, 
 /**
@@ -711,25 +713,25 @@ glitches: Array<Glitch>,
  */
 unreferenced_readings: number, 
 /**
- * Readings that are no measurements, to the mission neither: not finite, implausible, or of a sensor
- * that is stuck.
+ * Invalid readings, which the mission refuses as well: not finite, implausible, or of a sensor that is
+ * stuck.
  */
 refused_readings?: number, 
 /**
- * What is wrong with a sensor for the whole flight, which was left out for it: one that is stuck, or a
+ * What is wrong with a sensor for the whole flight, because of which it was left out: it is stuck, or a
  * copy of the receiver.
  */
 fault: string | null, 
 /**
- * Whether the flight says itself when it was launched.
+ * Whether the flight records its own launch.
  */
 has_launch: boolean, 
 /**
- * How many flights are in the log; 0 where it says itself when it was launched, or shows none.
+ * Number of flights in the log; 0 where the log records its own launch, or shows none.
  */
 flights: number, 
 /**
- * Which of them is analysed, from 1.
+ * Number of the analysed one, from 1.
  */
 flight: number | null, 
 /**
@@ -745,7 +747,7 @@ landing_s: number | null,
  */
 used_share: number, 
 /**
- * What is not, and why.
+ * What is not analysed, and why.
  */
 unused: Array<Unused>, 
 /**
@@ -758,15 +760,15 @@ remarks: Array<string>, };
  */
 export type Diagnosis = { 
 /**
- * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ * Version of the keys' meaning. It increases where a key changes its meaning or is removed.
  */
 version: number, 
 /**
- * Over all sensors: that of the sensor with the largest misfit.
+ * The verdict over all sensors: that of the sensor with the largest misfit.
  */
 verdict: Verdict, 
 /**
- * By sensor; effects of the reference are under `gps`.
+ * The diagnosis by sensor; effects of the reference are under `gps`.
  */
 sensors: { [key in string]: SensorDiagnosis }, 
 /**
@@ -778,11 +780,11 @@ model: string,
  */
 flights: Array<DiagnosedFlight>, 
 /**
- * The flights held out, if any; without, stretches of the flights are held out in turn.
+ * The flights held out, if any. If none, stretches of the flights are held out in turn.
  */
 hold_outs: Array<string>, 
 /**
- * The noise that was found beside the effects.
+ * The noise that was found together with the effects.
  */
 noise: NoiseFacts, 
 /**
@@ -790,7 +792,7 @@ noise: NoiseFacts,
  */
 untested: Array<Untested>, 
 /**
- * What was remarkable about the input.
+ * Anything remarkable about the input.
  */
 warnings: Array<string>, };
 
@@ -803,7 +805,7 @@ export type DiscoverRequest = {
  */
 flights: Array<string>, 
 /**
- * The flights to judge by.
+ * The held-out flights.
  */
 hold_outs: Array<string>, 
 /**
@@ -811,12 +813,12 @@ hold_outs: Array<string>,
  */
 model: ModelText, 
 /**
- * What the user says of their times.
+ * The user's times for them.
  */
 times: { [key in string]: Times }, };
 
 /**
- * What was found.
+ * The laws found.
  */
 export type Discovered = { 
 /**
@@ -828,7 +830,7 @@ discovery: Discovery,
  */
 ids: Array<string>, 
 /**
- * In words, where no law is proposed: why.
+ * Why no law is proposed, if none is.
  */
 why_none: string | null, };
 
@@ -837,20 +839,20 @@ why_none: string | null, };
  */
 export type Discovery = { 
 /**
- * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ * Version of the keys' meaning. It increases where a key changes its meaning or is removed.
  */
 version: number, 
 /**
- * The laws, the most probable first; none where no law of the grammar explains the rest, or nothing is
- * left to explain.
+ * The laws, the most probable first; empty where no law of the grammar explains the remainder, or
+ * nothing is left to explain.
  */
 laws: Array<FoundLaw>, 
 /**
- * How probable it is that none of the laws that were looked at acts.
+ * Probability that none of the laws considered acts.
  */
 none: number, 
 /**
- * What the catalogue explains: the effects that stood beside every law.
+ * What the catalogue explains: the effects that were estimated together with every law.
  */
 catalogue: Array<string>, 
 /**
@@ -858,7 +860,7 @@ catalogue: Array<string>,
  */
 verdict: Verdict, 
 /**
- * The most probable law that was not proposed, and why, where none was.
+ * The most probable law that was not proposed, and why, if none was proposed.
  */
 rejected: Rejected | null, 
 /**
@@ -866,7 +868,7 @@ rejected: Rejected | null,
  */
 signals: Array<string>, 
 /**
- * Of these, columns of no known unit: they count as plain numbers.
+ * Those of the signals that have no known unit: they are treated as plain numbers.
  */
 without_unit: Array<string>, 
 /**
@@ -874,11 +876,11 @@ without_unit: Array<string>,
  */
 unnamed: Array<string>, 
 /**
- * Laws that were scored.
+ * Number of laws that were scored.
  */
 scored: number, 
 /**
- * Laws that the noise was fitted anew for.
+ * Number of laws for which the noise was fitted again.
  */
 fitted: number, 
 /**
@@ -890,11 +892,11 @@ model: string,
  */
 flights: Array<string>, 
 /**
- * The flights held out, if any; without, stretches of the flights are held out in turn.
+ * The flights held out, if any. If none, stretches of the flights are held out in turn.
  */
 hold_outs: Array<string>, 
 /**
- * What was remarkable about the input.
+ * Anything remarkable about the input.
  */
 warnings: Array<string>, };
 
@@ -903,16 +905,16 @@ warnings: Array<string>, };
  */
 export type Drawn = { 
 /**
- * What it is of.
+ * The quantity that it shows.
  */
 signal: Signal, 
 /**
- * Its unit; empty where it has none or the flight does not say.
+ * Its unit; empty if it has none or the flight does not record it.
  */
 unit: string, 
 /**
- * Least value at each point of the axis; NaN where there is no value: the curve is drawn through, but
- * not over a gap.
+ * Least value at each point of the axis; NaN if there is none. The curve is drawn across such points,
+ * but not over a gap.
  */
 least: Numbers, 
 /**
@@ -920,21 +922,20 @@ least: Numbers,
  */
 greatest: Numbers, 
 /**
- * Standard deviation at each point, where the signal has one.
+ * Standard deviation at each point, if the signal has one.
  */
 sigma: Numbers | null, 
 /**
- * From when to when the record has a gap, over which no line is drawn: pairs of seconds, one after the
- * other.
+ * Gaps in the record, over which no line is drawn: start and end in seconds, pair after pair.
  */
 gaps_s: Numbers, 
 /**
- * Values that lie in the asked for time.
+ * Number of values in the requested time.
  */
 values: number, };
 
 /**
- * An effect that the model accounts for.
+ * An effect accounted for by the model.
  */
 export type EffectFacts = { 
 /**
@@ -942,7 +943,7 @@ export type EffectFacts = {
  */
 effect: string, 
 /**
- * Its coefficient: as estimated by the end of captive flight, or the model's constant.
+ * Its coefficient: the estimate at the end of captive flight, or the model's constant.
  */
 coefficient: number, 
 /**
@@ -958,11 +959,11 @@ unit: string,
  */
 estimated: boolean, 
 /**
- * The range of its regressor that the coefficient was learned in, metres per unit of coefficient.
+ * The range of its regressor in which the coefficient was learned, metres per unit of coefficient.
  */
 envelope_m: [number, number] | null, 
 /**
- * Ticks at which it was used outside of that range.
+ * Number of ticks at which it was used outside of that range.
  */
 extrapolated_ticks: number, };
 
@@ -979,15 +980,15 @@ effect: string,
  */
 subject: string, 
 /**
- * What it is, in a few words: the field's name for it.
+ * The field's usual name for it.
  */
 title: string, 
 /**
- * What it is, in one sentence.
+ * Description in one sentence.
  */
 what: string, 
 /**
- * What the coefficient is multiplied by, metres per unit of it.
+ * The formula that the coefficient is multiplied by, metres per unit of the coefficient.
  */
 formula: string, 
 /**
@@ -1036,12 +1037,12 @@ unit: string,
  */
 is_found: boolean, 
 /**
- * The coefficient as the flights have it, beside the effects that were found; null where they do not
- * show it.
+ * The coefficient from these flights, estimated together with the effects that were found; null where
+ * they do not show it.
  */
 coefficient: number | null, 
 /**
- * One sigma of it now, as the diagnosis has it; null where the flights do not show it.
+ * One sigma of the coefficient now, as in the diagnosis; null where the flights do not show it.
  */
 sigma_now: number | null, 
 /**
@@ -1049,24 +1050,25 @@ sigma_now: number | null,
  */
 sigma_then: number | null, 
 /**
- * The largest coefficient that nature makes, either way.
+ * The largest physically possible coefficient, either way.
  */
 largest: number, 
 /**
- * Whether the flights would have shown it at that size.
+ * Whether the flights would have shown a coefficient of that size.
  */
 is_seen_now: boolean, 
 /**
- * Whether the flights and the planned one would.
+ * Whether the flights together with the planned one would.
  */
 is_seen_then: boolean, 
 /**
- * Whether the plan has its signals. One by formula may need a column that no simulation has.
+ * Whether the plan has the effect's signals. An effect by formula may need a column that no simulation
+ * has.
  */
 is_planned: boolean, };
 
 /**
- * One effect by all flights of a vehicle.
+ * One effect from all flights of a vehicle.
  */
 export type EffectResult = { 
 /**
@@ -1078,19 +1080,19 @@ effect: string,
  */
 unit: string, 
 /**
- * Flights that tell it.
+ * Number of flights that determine it.
  */
 flights: number, 
 /**
- * Their mean, without the outliers.
+ * Mean of its coefficients, without the outliers.
  */
 mean: number, 
 /**
- * One sigma of it.
+ * One sigma of the mean.
  */
 sigma: number, 
 /**
- * How much it differs from flight to flight beyond their sigmas, 1 sigma.
+ * Spread of the coefficient from flight to flight beyond their sigmas, 1 sigma.
  */
 spread: number, 
 /**
@@ -1116,7 +1118,7 @@ law: string,
  */
 correlation: number, 
 /**
- * How probable it is, for a law.
+ * Its probability, for a law.
  */
 probability: number | null, };
 
@@ -1134,16 +1136,16 @@ mean_m: number,
 rms_m: number, };
 
 /**
- * Makes a file of a result. Its bytes come with the answer: byte for byte what the command line writes.
+ * Makes a file of a result. Its bytes come with the answer and are those that the command line writes.
  */
 export type ExportRequest = { 
 /**
- * What of.
+ * The result to export.
  */
 export: Exports, };
 
 /**
- * A file, whose bytes go with the answer.
+ * A file, whose bytes come with the answer.
  */
 export type Exported = { 
 /**
@@ -1156,7 +1158,7 @@ name: string,
 media: string, };
 
 /**
- * What a file can be made of.
+ * A result that can be exported.
  */
 export type Exports = { "what": "compare" } & CompareRequest | { "what": "diagnose" } & DiagnoseRequest | { "what": "ladder" } & LadderRequest | { "what": "flight", 
 /**
@@ -1173,20 +1175,20 @@ export type Failures = {
  */
 worst: Array<Stretch>, 
 /**
- * Errors by manoeuvre, in the order of their first appearance in [`Manoeuvre`].
+ * Errors by manoeuvre, in the order of [`Manoeuvre`].
  */
 by_manoeuvre: Array<ManoeuvreErrors>, 
 /**
- * Which signals the motion was read from.
+ * The signals from which the motion was read.
  */
 sources: MotionSources, 
 /**
- * What the flight would need for what it does not say.
+ * Signals that the flight would need for the unknown quantities.
  */
 missing: Array<string>, };
 
 /**
- * A fault of a sensor that had been healthy.
+ * A fault of a sensor that was healthy before.
  */
 export type Fault = { "step": { 
 /**
@@ -1212,7 +1214,7 @@ file: string,
 sensors: { [key in string]: SensorChange }, };
 
 /**
- * Which flight it was.
+ * Identification of the flight.
  */
 export type FlightFacts = { 
 /**
@@ -1224,27 +1226,27 @@ file: string,
  */
 vehicle: string, 
 /**
- * Where the flight comes from.
+ * Origin of the flight.
  */
 source: string, 
 /**
- * Rows.
+ * Number of rows.
  */
 rows: number, 
 /**
- * From the first row to the last, seconds.
+ * Time from the first row to the last, seconds.
  */
 duration_s: number, 
 /**
- * Whether the flight says itself when it was launched.
+ * Whether the flight records its own launch.
  */
 has_launch: boolean, 
 /**
- * How many flights are in the log; 0 where it says itself when it was launched, or shows none.
+ * Number of flights in the log; 0 where the log records its own launch, or shows none.
  */
 flights: number, 
 /**
- * Which of them is analysed, from 1.
+ * Number of the analysed one, from 1.
  */
 flight: number | null, 
 /**
@@ -1260,7 +1262,7 @@ landing_s: number | null,
  */
 used_share: number, 
 /**
- * What is not, and why.
+ * What is not analysed, and why.
  */
 unused: Array<Unused>, 
 /**
@@ -1269,7 +1271,7 @@ unused: Array<Unused>,
 remarks: Array<string>, };
 
 /**
- * A flight that is planned.
+ * A planned flight.
  */
 export type FlightPlan = { 
 /**
@@ -1277,20 +1279,20 @@ export type FlightPlan = {
  */
 speed_mps: number, 
 /**
- * Altitude at which it begins, m above mean sea level.
+ * Altitude at its start, m above mean sea level.
  */
 altitude_m: number, 
 /**
- * How long it flies straight and level before, for the calibration, seconds.
+ * Straight and level flight at the start, for the calibration, seconds.
  */
 calibration_s: number, 
 /**
- * What is flown after that.
+ * The manoeuvres after that.
  */
 legs: Array<PlannedLeg>, };
 
 /**
- * Asks for what is in an opened flight, with the user's times.
+ * Asks for the contents of an opened flight, with the user's times.
  */
 export type FlightRequest = { 
 /**
@@ -1298,12 +1300,12 @@ export type FlightRequest = {
  */
 flight: string, 
 /**
- * What the user says of its times.
+ * The user's times for it.
  */
 times: Times, };
 
 /**
- * What one flight alone says.
+ * Diagnosis of one flight alone.
  */
 export type FlightResult = { 
 /**
@@ -1315,7 +1317,7 @@ file: string,
  */
 vehicle: string, 
 /**
- * The verdict; `None` where the diagnosis failed.
+ * The verdict; `None` if the diagnosis failed.
  */
 verdict: Verdict | null, 
 /**
@@ -1323,7 +1325,7 @@ verdict: Verdict | null,
  */
 failed: string | null, 
 /**
- * Coefficients of the effects in question, by their ids, where the flight tells them.
+ * Coefficients of the effects in question, by their ids, where the flight determines them.
  */
 coefficients: { [key in string]: Coefficient }, };
 
@@ -1332,24 +1334,24 @@ coefficients: { [key in string]: Coefficient }, };
  */
 export type Follows = { 
 /**
- * The signal, and what of it.
+ * The signal, and which form of it.
  */
 signal: string, 
 /**
- * How far the residual lags behind it, s.
+ * How far the residual lags behind the signal, s.
  */
 lag_s: number, 
 /**
- * How much of the residual it would explain, rms, m.
+ * How much of the residual the signal would explain, rms, m.
  */
 size_m: number, 
 /**
- * What it gains in twice the log likelihood.
+ * What the signal gains in twice the log likelihood.
  */
 evidence: number, };
 
 /**
- * A formula that was checked: either `problem` or `definition` is there.
+ * A checked formula: has either `problem` or `definition`.
  */
 export type FormulaChecked = { 
 /**
@@ -1357,20 +1359,20 @@ export type FormulaChecked = {
  */
 problem: FormulaProblem | null, 
 /**
- * It as a definition.
+ * The formula as a definition.
  */
 definition: Defined | null, };
 
 /**
- * What is wrong with a formula, and where.
+ * An error in a formula, and its position.
  */
 export type FormulaProblem = { 
 /**
- * What, in words.
+ * The error message.
  */
 message: string, 
 /**
- * Where in the formula it begins, in UTF-16 units, as JavaScript counts.
+ * Where it begins in the formula, in UTF-16 units, as JavaScript counts.
  */
 from: number, 
 /**
@@ -1383,11 +1385,11 @@ to: number, };
  */
 export type FormulaRequest = { 
 /**
- * The model as it is.
+ * The current model.
  */
 model: ModelText, 
 /**
- * Its id; null: one that is made of what it acts on and what it reads.
+ * Its id; null: made from what it acts on and what it reads.
  */
 id: string | null, 
 /**
@@ -1399,12 +1401,12 @@ on: string,
  */
 regressor: string, 
 /**
- * The largest plausible coefficient, either way; null: three times the one that fits, as
- * `pylon discover` has it.
+ * The largest plausible coefficient, of either sign; null: three times the fitted one, as in
+ * `pylon discover`.
  */
 largest: number | null, 
 /**
- * What it is, in words; may be empty.
+ * Description; may be empty.
  */
 about: string, 
 /**
@@ -1412,15 +1414,15 @@ about: string,
  */
 flight: string, 
 /**
- * What the user says of its times.
+ * The user's times for it.
  */
 times: Times, 
 /**
- * The error that it is to explain.
+ * The error to be explained.
  */
 error: Signal, 
 /**
- * From when on the error counts, seconds; null: from its first value.
+ * Start of the error that is used, seconds; null: its first value.
  */
 from_s: number | null, };
 
@@ -1433,7 +1435,7 @@ export type FoundLaw = {
  */
 on: string, 
 /**
- * The law, as an effect definition takes it.
+ * The law, in the form of an effect definition.
  */
 regressor: string, 
 /**
@@ -1449,72 +1451,72 @@ coefficient: number,
  */
 sigma: number, 
 /**
- * How probable it is that this law acts, among all that were looked at and none.
+ * Probability that this law acts, among all that were considered and none.
  */
 probability: number, 
 /**
- * The same of it and all that are equal to it on these flights.
+ * The same for this law and all that are equal to it on these flights.
  */
 probability_with_equals: number, 
 /**
- * Root mean square of the held-out errors without it, m.
+ * Root mean square of the held-out errors without the law, m.
  */
 rms_before_m: number | null, 
 /**
- * With it, m; neither is there where most of the error would be the coefficient's own.
+ * The same with the law, m. Both are absent where most of the error would come from the coefficient's
+ * own uncertainty.
  */
 rms_after_m: number | null, 
 /**
- * What it takes to say it, bits.
+ * Length of the law, bits.
  */
 bits: number, 
 /**
- * What it gains in twice the log likelihood.
+ * What the law gains in twice the log likelihood.
  */
 evidence: number, 
 /**
- * What the held-out flights, or else the stretches held out in turn, gain by it in twice the log
- * likelihood.
+ * What the law gains in twice the log likelihood on the held-out flights, or else on the stretches held
+ * out in turn.
  */
 held_out_gain: number, 
 /**
- * How much of the residual it makes in free flight, rms, m.
+ * How much of the residual the law makes in free flight, rms, m.
  */
 size_m: number, 
 /**
- * Effects that were found without the law and that it takes the place of.
+ * Effects that were found without the law and that it replaces.
  */
 instead_of: Array<string>, 
 /**
- * Laws and effects that it cannot be told from on these flights, with the correlation of both.
+ * Laws and effects that cannot be distinguished from it on these flights, with the correlation of both.
  */
 equal_to: Array<Equal>, 
 /**
- * What to fly to tell it from these, in words; empty where nothing is known that would.
+ * What to fly to distinguish it from these, in words; empty where no such manoeuvre is known.
  */
 advice: string, };
 
 /**
- * What a manoeuvre by itself would tell.
+ * What a manoeuvre by itself would add.
  */
 export type Gain = { 
 /**
- * The probability that it would give the effect of a set that acts, the mean over the sets; null where
- * there is no set.
+ * The probability that it would single out the acting effect of a set, averaged over the sets; null
+ * without a set.
  */
 tells_apart: number | null, 
 /**
- * Effects that it would show and that no flight has.
+ * Number of effects that it would show and that no flight shows yet.
  */
 shows: number, 
 /**
- * What an effect's interval would shrink to, as a share: the mean over the effects that the flights
- * show.
+ * The share to which an effect's interval would shrink, averaged over the effects that the flights show.
  */
 narrows_to: number, };
 
 /**
- * A stretch in which the reference jumped away and came back, by the flight's own clock.
+ * A stretch in which the reference jumped away and came back, in the flight's own time.
  */
 export type Glitch = { 
 /**
@@ -1535,20 +1537,20 @@ export type Headline = {
  */
 sentence: string, 
 /**
- * How good the news is.
+ * How good the result is.
  */
 tone: Tone, 
 /**
- * The effect that it names, if it names one: what Add would add.
+ * The effect that the sentence names, if any; Add would add this one.
  */
 effect: string | null, };
 
 /**
- * What was held out, with an effect and without.
+ * Held-out data, predicted with an effect and without.
  */
 export type HeldOutVerdict = { 
 /**
- * What twice the log likelihood gains by the effect; negative: it is worse with it.
+ * What twice the log likelihood gains by the effect; negative if the effect makes it worse.
  */
 gain: number, 
 /**
@@ -1556,20 +1558,20 @@ gain: number,
  */
 gain_sigma: number, 
 /**
- * What the gain would be if the effect acted just as learned; minus that if it did not act.
+ * The gain if the effect acted exactly as learned; minus that if it did not act.
  */
 gain_as_learned: number, 
 /**
- * Whether it is worse beyond chance.
+ * Whether the effect is harmful beyond chance.
  */
 is_worse: boolean, 
 /**
- * Whether an effect that does not act would be seen, with a chance of 95 %.
+ * Whether an effect that does not act would be detected, with a probability of 95 %.
  */
 can_tell: boolean, };
 
 /**
- * What the errors before and after are of.
+ * The data on which the errors before and after were computed.
  */
 export type JudgedOn = "held_out_flights" | "held_out_manoeuvres";
 
@@ -1578,7 +1580,7 @@ export type JudgedOn = "held_out_flights" | "held_out_manoeuvres";
  */
 export type Ladder = { 
 /**
- * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ * Version of the keys' meaning. It increases where a key changes its meaning or is removed.
  */
 version: number, 
 /**
@@ -1591,7 +1593,7 @@ model: string,
 revisions: Array<LadderRevision>, };
 
 /**
- * Flies every revision of a model over flights: `pylon ladder`. Answered by what `pylon ladder --json`
+ * Flies every revision of a model over flights: `pylon ladder`. The answer is what `pylon ladder --json`
  * prints.
  */
 export type LadderRequest = { 
@@ -1604,7 +1606,7 @@ flights: Array<string>,
  */
 model: ModelText, 
 /**
- * What the user says of their times.
+ * The user's times for them.
  */
 times: { [key in string]: Times }, };
 
@@ -1617,7 +1619,7 @@ export type LadderRevision = {
  */
 number: number, 
 /**
- * The effect that it added or learned anew.
+ * The effect that it added or learned again.
  */
 effect: string | null, 
 /**
@@ -1625,7 +1627,7 @@ effect: string | null,
  */
 date: string | null, 
 /**
- * The effects of the model as it left it.
+ * The effects of the model at this revision.
  */
 effects: Array<string>, 
 /**
@@ -1634,20 +1636,20 @@ effects: Array<string>,
 flights: Array<RevisionFlight>, };
 
 /**
- * What the aircraft was doing.
+ * A manoeuvre of the aircraft.
  */
 export type Manoeuvre = "level_flight" | "acceleration" | "deceleration" | "climb" | "descent" | "dive" | "pull_up" | "push_over" | "level_turn" | "climbing_turn" | "descending_turn" | "at_rest" | "unknown";
 
 /**
- * Errors in all that was flown of one manoeuvre.
+ * Errors in all stretches of one manoeuvre.
  */
 export type ManoeuvreErrors = { 
 /**
- * What the aircraft was doing.
+ * The manoeuvre.
  */
 doing: Manoeuvre, 
 /**
- * For how long, in all, seconds.
+ * Total duration, seconds.
  */
 seconds: number, 
 /**
@@ -1668,29 +1670,29 @@ export type MemberOutlook = {
  */
 effect: string, 
 /**
- * The probability that it is the one that acts, now.
+ * The probability now that this effect is the one that acts.
  */
 probability: number, 
 /**
- * The probability that it would be given with the planned flight, if it is the one: the median over that
- * flight's noise. Null for one whose signal the flights lack.
+ * The probability that it would be given with the planned flight, if it is the one that acts: the median
+ * over that flight's noise. Null for an effect whose signal the flights lack.
  */
 probability_then: number | null, 
 /**
- * How many of the set, itself among them, would then still have a probability of 5 % or more.
+ * How many of the set, including this effect, would then still have a probability of 5 % or more.
  */
 left: number | null, 
 /**
- * By how many sigmas the planned flight would tell it from the one of the others that is most like it.
+ * By how many sigmas the planned flight would distinguish it from the most similar of the others.
  */
 sigmas: number | null, };
 
 /**
- * What is in a model.
+ * The contents of a model.
  */
 export type ModelFacts = { 
 /**
- * The effects that it accounts for, in its order.
+ * The effects that it accounts for, in the model's order.
  */
 effects: Array<TermFacts>, 
 /**
@@ -1698,12 +1700,12 @@ effects: Array<TermFacts>,
  */
 revisions: Array<RevisionFacts>, 
 /**
- * What in it is unlikely.
+ * Warnings about unlikely values.
  */
 warnings: Array<string>, };
 
 /**
- * Asks what is in a model. An error is the file's own: line, key, what was expected.
+ * Asks for the contents of a model. An error is the file's own: line, key, what was expected.
  */
 export type ModelRequest = { 
 /**
@@ -1712,15 +1714,15 @@ export type ModelRequest = {
 model: ModelText, };
 
 /**
- * A model, as its file is.
+ * A model, as in its file.
  */
 export type ModelText = { 
 /**
- * What results call it: a file's name, or a preset's.
+ * Its name in results: a file's name, or a preset's.
  */
 name: string, 
 /**
- * Its TOML. An empty one is the default model.
+ * Its TOML. An empty text is the default model.
  */
 text: string, };
 
@@ -1733,7 +1735,7 @@ export type MonitorFacts = {
  */
 sigma: string, 
 /**
- * Threshold in sigmas.
+ * Alarm limit in sigmas.
  */
 multiplier: number, 
 /**
@@ -1741,7 +1743,7 @@ multiplier: number,
  */
 window_s: number, 
 /**
- * For how long the error must have been beyond the threshold before a sensor is untrustworthy, seconds.
+ * How long the error must exceed the alarm limit before a sensor is untrustworthy, seconds.
  */
 persistence_s: number, };
 
@@ -1759,7 +1761,7 @@ threshold_m: number,
 window_s: number, };
 
 /**
- * How the aircraft moved during one stretch of flight; `None` where the flight does not say.
+ * How the aircraft moved during one stretch of flight; `None` if the flight does not have it.
  */
 export type Motion = { 
 /**
@@ -1767,11 +1769,11 @@ export type Motion = {
  */
 climb_rate_mps: number | null, 
 /**
- * Speed, m/s: true airspeed, or else over ground.
+ * Speed, m/s: true airspeed, or else ground speed.
  */
 speed_mps: number | null, 
 /**
- * Its growth, m/s^2.
+ * Its rate of change, m/s^2.
  */
 acceleration_mps2: number | null, 
 /**
@@ -1779,12 +1781,12 @@ acceleration_mps2: number | null,
  */
 load_factor: number | null, 
 /**
- * Turn rate, rad/s, to the right positive.
+ * Turn rate, rad/s, positive to the right.
  */
 turn_rate_radps: number | null, };
 
 /**
- * How the aircraft moved, second by second; NaN where the flight does not say.
+ * The aircraft's motion, second by second; NaN where the flight does not record it.
  */
 export type MotionNumbers = { 
 /**
@@ -1809,23 +1811,23 @@ load_factor: Numbers,
 turn_rate_radps: Numbers, };
 
 /**
- * Which signal a quantity was read from.
+ * The signal from which each quantity was read.
  */
 export type MotionSources = { 
 /**
- * Of the climb rate.
+ * For the climb rate.
  */
 climb_rate: string | null, 
 /**
- * Of the speed.
+ * For the speed.
  */
 speed: string | null, 
 /**
- * Of the load factor.
+ * For the load factor.
  */
 load_factor: string | null, 
 /**
- * Of the turn rate.
+ * For the turn rate.
  */
 turn_rate: string | null, };
 
@@ -1834,20 +1836,20 @@ turn_rate: string | null, };
  */
 export type NoiseFacts = { 
 /**
- * The reference's wander: sigma, m.
+ * Sigma of the reference's wander, m.
  */
 reference_wander_m: number, 
 /**
- * Its correlation time, s.
+ * Correlation time of the reference's wander, s.
  */
 reference_time_s: number, 
 /**
- * A second, slower wander of the difference of the altitudes, the reference's or a sensor's: sigma, m; 0
- * where the climb rate is measured, which needs none.
+ * Sigma of a second, slower wander of the difference of the altitudes (the reference's or a sensor's),
+ * m; 0 where the climb rate is measured, which needs none.
  */
 slow_wander_m: number, 
 /**
- * Its correlation time, s.
+ * Correlation time of the slow wander, s.
  */
 slow_time_s: number, 
 /**
@@ -1860,17 +1862,17 @@ fix_sigma_m: number,
 sensor_wander: { [key in string]: SensorWander }, };
 
 /**
- * Where an array lies in the numbers that are handed over with an answer: f64, in the machine's own order.
+ * Position of an array in the numbers that are handed over with an answer: f64, in the machine's byte order.
  *
- * NaN stands for: no value here.
+ * NaN means that there is no value.
  */
 export type Numbers = { 
 /**
- * The first one's place.
+ * Index of the first number.
  */
 start: number, 
 /**
- * How many.
+ * Number of values.
  */
 length: number, };
 
@@ -1891,20 +1893,20 @@ coefficient: number,
  */
 sigma: number, 
 /**
- * Chance that one of so many flights is as far off, were all alike.
+ * Probability that one of this many flights is as far off, if all were alike.
  */
 p_value: number, };
 
 /**
- * A manoeuvre that can be chosen.
+ * A manoeuvre on offer.
  */
 export type Offer = { 
 /**
- * It, as it is suggested.
+ * The manoeuvre with suggested values.
  */
 leg: PlannedLeg, 
 /**
- * What the amount is: `m/s`, `deg`, `g`; empty where there is none.
+ * Unit of the amount: `m/s`, `deg`, `g`; empty if there is no amount.
  */
 unit: string, 
 /**
@@ -1912,21 +1914,21 @@ unit: string,
  */
 least: number, 
 /**
- * The largest.
+ * The largest amount.
  */
 most: number, 
 /**
- * What it would tell by itself; null where that was not asked, or it cannot be flown there.
+ * What it would add by itself; null if that was not asked for, or it cannot be flown here.
  */
 gain: Gain | null, };
 
 /**
- * Opens the log whose bytes come with the request: any format that Pylon imports, told by its content. An
- * error is the importer's own line.
+ * Opens the log whose bytes come with the request: any format that Pylon imports, detected from its content.
+ * An error is the importer's own line.
  */
 export type OpenRequest = { 
 /**
- * What later requests call the flight; one of that name is replaced.
+ * Name of the flight in later requests; an open flight of that name is replaced.
  */
 flight: string, 
 /**
@@ -1939,7 +1941,7 @@ file: string, };
  */
 export type OpenSampleRequest = { 
 /**
- * What later requests call the flight.
+ * Name of the flight in later requests.
  */
 flight: string, 
 /**
@@ -1952,13 +1954,13 @@ sample: string, };
  */
 export type Opened = { 
 /**
- * What `pylon open --json` says: the format, take-off, landing, launch, what is used and what not and
- * why, the sensors, the notes of the importer; `refused` says why it cannot be analysed, where it
- * cannot.
+ * The result of `pylon open --json`: the format, take-off, landing, launch, which parts are used and why
+ * others are not, the sensors, the importer's notes; if the flight cannot be analysed, `refused` gives
+ * the reason.
  */
 overview: Overview, 
 /**
- * The vehicle, with what tells it from another of its type: flights are grouped by it.
+ * The vehicle, identified among others of its type; flights are grouped by it.
  */
 vehicle: string, 
 /**
@@ -1979,15 +1981,15 @@ columns: Array<ColumnFacts>,
 sensors: Array<string>, };
 
 /**
- * What the flights tell now, and what they would tell with the planned one.
+ * What the flights show now, and what they would show with the planned one.
  */
 export type Outlook = { 
 /**
- * Every effect that the flights have the signals of, those that were found first.
+ * Every effect whose signals the flights have, those that were found first.
  */
 effects: Array<EffectOutlook>, 
 /**
- * Every set of effects that the flights can't tell apart.
+ * Every set of effects that the flights cannot tell apart.
  */
 sets: Array<SetOutlook>, };
 
@@ -1996,7 +1998,7 @@ sets: Array<SetOutlook>, };
  */
 export type Overview = { 
 /**
- * Version of what these keys mean: a new one where a key changes its meaning or goes.
+ * Version of the keys' meaning. It increases where a key changes its meaning or is removed.
  */
 version: number, 
 /**
@@ -2008,34 +2010,33 @@ file: string,
  */
 format: string, 
 /**
- * The vehicle, as the log says.
+ * The vehicle, as given in the log.
  */
 vehicle: string, 
 /**
- * Rows.
+ * Number of rows.
  */
 rows: number, 
 /**
- * First time of the flight's own clock, seconds: what `--calibrate` counts from is zero of that clock,
- * not this.
+ * First time of the flight's own clock, seconds. `--calibrate` counts from zero of that clock, not from
+ * this time.
  */
 first_s: number, 
 /**
- * From the first row to the last, seconds.
+ * Time from the first row to the last, seconds.
  */
 duration_s: number, 
 /**
- * When it was launched or dropped, by its own `launch` column, seconds.
+ * When it was launched or dropped, from its own `launch` column, seconds.
  */
 launch_s: number | null, 
 /**
- * When it was dropped from a carrier, by how it falls, seconds; null where it was not, or has a `launch`
- * column.
+ * When it was dropped from a carrier, found by how it falls, seconds; null where it was not, or has a
+ * `launch` column.
  */
 drop_s: number | null, 
 /**
- * The share of it that a diagnosis works on, which needs no calibration; null where it cannot be
- * analysed.
+ * The share of it that a diagnosis uses, which needs no calibration; null where it cannot be analysed.
  */
 diagnosed_share: number | null, 
 /**
@@ -2043,11 +2044,11 @@ diagnosed_share: number | null,
  */
 airborne: Array<AirborneTime>, 
 /**
- * On the ground before the take-off of the flight that is analysed, seconds.
+ * Time on the ground before the take-off of the flight that is analysed, seconds.
  */
 ground_before_s: number | null, 
 /**
- * After its landing, seconds.
+ * Time after its landing, seconds.
  */
 after_landing_s: number | null, 
 /**
@@ -2055,7 +2056,7 @@ after_landing_s: number | null,
  */
 calibration: string | null, 
 /**
- * From when to when it is calibrated, seconds; null for a flight with a launch, or where nothing can be
+ * Start and end of the calibration, seconds; null for a flight with a launch, or where nothing can be
  * calibrated.
  */
 calibration_window_s: [number, number] | null, 
@@ -2064,7 +2065,7 @@ calibration_window_s: [number, number] | null,
  */
 refused: string | null, 
 /**
- * What is wrong with the barometer for all of the log, if anything is.
+ * What is wrong with the barometer for the whole log, if anything.
  */
 barometer_fault: string | null, 
 /**
@@ -2072,23 +2073,23 @@ barometer_fault: string | null,
  */
 sensors: Array<SensorView>, 
 /**
- * What was remarkable about the log.
+ * Anything remarkable about the log.
  */
 notes: Array<string>, 
 /**
- * Commands to go on with.
+ * Commands to continue with.
  */
 next: Array<string>, 
 /**
- * Whether the flight says itself when it was launched.
+ * Whether the flight records its own launch.
  */
 has_launch: boolean, 
 /**
- * How many flights are in the log; 0 where it says itself when it was launched, or shows none.
+ * Number of flights in the log; 0 where the log records its own launch, or shows none.
  */
 flights: number, 
 /**
- * Which of them is analysed, from 1.
+ * Number of the analysed one, from 1.
  */
 flight: number | null, 
 /**
@@ -2104,7 +2105,7 @@ landing_s: number | null,
  */
 used_share: number, 
 /**
- * What is not, and why.
+ * What is not analysed, and why.
  */
 unused: Array<Unused>, 
 /**
@@ -2113,19 +2114,19 @@ unused: Array<Unused>,
 remarks: Array<string>, };
 
 /**
- * Points: every value of y with x at that time, between x's values on a straight line, and not over a gap.
+ * Points: every value of y with the value of x at that time, interpolated linearly but not over a gap.
  */
 export type Paired = { 
 /**
- * When, seconds.
+ * Time, seconds.
  */
 time_s: Numbers, 
 /**
- * Across.
+ * Horizontal values.
  */
 x: Numbers, 
 /**
- * Up.
+ * Vertical values.
  */
 y: Numbers, 
 /**
@@ -2137,20 +2138,20 @@ x_unit: string,
  */
 y_unit: string, 
 /**
- * How many points there are, of which those are shown.
+ * Number of points before thinning.
  */
 of: number, 
 /**
- * Values of y that x has none for.
+ * Values of y for which x has none.
  */
 unpaired: number, };
 
 /**
- * What a sensor's errors were like in one phase. A value that the readings cannot give is `None`.
+ * Statistics of a sensor's errors in one phase. A value that the readings cannot give is `None`.
  */
 export type PhaseSummary = { 
 /**
- * Readings that had a reference to be compared with.
+ * Number of readings that had a reference to compare with.
  */
 readings: number, 
 /**
@@ -2158,11 +2159,11 @@ readings: number,
  */
 duration_s: number, 
 /**
- * Mean error (eq. 16, by the latched calibration), metres.
+ * Mean error (eq. 16, with the latched calibration), metres.
  */
 bias_m: number | null, 
 /**
- * Standard error of that mean under the errors' own autocorrelation, metres.
+ * Standard error of that mean, with the errors' own autocorrelation, metres.
  */
 bias_standard_error_m: number | null, 
 /**
@@ -2170,7 +2171,7 @@ bias_standard_error_m: number | null,
  */
 spread_m: number | null, 
 /**
- * The same by the median absolute deviation, which a few outliers do not move, metres.
+ * The same from the median absolute deviation, which a few outliers do not move, metres.
  */
 robust_spread_m: number | null, 
 /**
@@ -2199,7 +2200,7 @@ innovation_whiteness: Whiteness | null,
 nis: Consistency | null, };
 
 /**
- * Plans a flight, simulates it, and says what it would tell with the flights that there are.
+ * Plans a flight, simulates it, and reports what it would add to the existing flights.
  */
 export type PlanRequest = { 
 /**
@@ -2207,7 +2208,7 @@ export type PlanRequest = {
  */
 flights: Array<string>, 
 /**
- * The flights to judge by.
+ * The held-out flights.
  */
 hold_outs: Array<string>, 
 /**
@@ -2215,11 +2216,11 @@ hold_outs: Array<string>,
  */
 model: ModelText, 
 /**
- * What the user says of their times.
+ * The user's times for them.
  */
 times: { [key in string]: Times }, 
 /**
- * The plan; null: the one that Pylon suggests, with what each manoeuvre would tell by itself.
+ * The plan; null: the one that Pylon suggests, with the gain of each manoeuvre by itself.
  */
 plan: FlightPlan | null, };
 
@@ -2232,11 +2233,11 @@ export type Planned = {
  */
 plan: FlightPlan, 
 /**
- * What it would tell.
+ * What it would show.
  */
 outlook: Outlook, 
 /**
- * It as a scenario: what `pylon simulate` takes, and what was simulated here.
+ * The simulated scenario, which `pylon simulate` accepts.
  */
 scenario: string, 
 /**
@@ -2244,19 +2245,19 @@ scenario: string,
  */
 segments: Array<PlannedSegment>, 
 /**
- * What it reaches.
+ * The ranges that it reaches.
  */
 reached: Reached, 
 /**
- * How long it takes, calibration included, seconds.
+ * Its duration including the calibration, seconds.
  */
 duration_s: number, 
 /**
- * What can be chosen, the best first where their gains were asked for.
+ * The manoeuvres on offer, best first if their gains were asked for.
  */
 offers: Array<Offer>, 
 /**
- * What the user should know of it.
+ * Remarks for the user.
  */
 remarks: Array<string>, };
 
@@ -2265,29 +2266,29 @@ remarks: Array<string>, };
  */
 export type PlannedLeg = { 
 /**
- * What is flown.
+ * The manoeuvre.
  */
 manoeuvre: PlannedManoeuvre, 
 /**
- * How much of it, in the unit that the offer says.
+ * Its amount, in the unit given in the offer.
  */
 amount: number, 
 /**
- * How long each of its stretches is held, seconds.
+ * Duration of each of its stretches, seconds.
  */
 duration_s: number, 
 /**
- * How often it is flown.
+ * Number of repetitions.
  */
 times: number, };
 
 /**
- * What can be flown.
+ * A manoeuvre that can be planned.
  */
 export type PlannedManoeuvre = "speed_sweep" | "climbs" | "pull_ups" | "turns" | "level" | "long_climb" | "legs";
 
 /**
- * One segment, as the scenario has it.
+ * One segment of the scenario.
  */
 export type PlannedSegment = { 
 /**
@@ -2295,11 +2296,11 @@ export type PlannedSegment = {
  */
 manoeuvre: string, 
 /**
- * From when, seconds after the calibration.
+ * Start, seconds after the calibration.
  */
 from_s: number, 
 /**
- * How long, seconds.
+ * Duration, seconds.
  */
 duration_s: number, 
 /**
@@ -2307,19 +2308,19 @@ duration_s: number,
  */
 airspeed_mps: number, 
 /**
- * The path to fly, degrees above the horizon, where it has one.
+ * The flight path to fly, degrees above the horizon, if it has one.
  */
 flight_path_deg: number | null, 
 /**
- * The bank, degrees, positive to the right, where it has one.
+ * The bank, degrees, positive to the right, if it has one.
  */
 bank_deg: number | null, 
 /**
- * The load factor's limit, where it has one.
+ * The limit on the load factor, if it has one.
  */
 load_factor: number | null, 
 /**
- * Altitude at its end as simulated, m above mean sea level.
+ * Simulated altitude at its end, m above mean sea level.
  */
 altitude_then_m: number, };
 
@@ -2332,7 +2333,7 @@ export type Preset = {
  */
 model: ModelText, 
 /**
- * What it is, in one sentence.
+ * Description in one sentence.
  */
 about: string, };
 
@@ -2342,7 +2343,7 @@ about: string, };
 export type PresetsRequest = Record<symbol, never>;
 
 /**
- * The least and the greatest of what the simulated flight reaches.
+ * The least and the greatest values that the simulated flight reaches.
  */
 export type Reached = { 
 /**
@@ -2358,12 +2359,12 @@ altitude_m: [number, number],
  */
 load_factor: [number, number], 
 /**
- * Farthest from where it begins, m.
+ * Largest distance from its start, m.
  */
 distance_m: number, };
 
 /**
- * How often a source's readings were used or not.
+ * Counts of a source's readings that were used or not.
  */
 export type ReadingCounts = { 
 /**
@@ -2375,11 +2376,11 @@ accepted: number,
  */
 not_finite: number, 
 /**
- * A fix held since the last.
+ * A fix held since the last one.
  */
 held: number, 
 /**
- * A sensor that repeats itself.
+ * Readings of a sensor that repeats one value.
  */
 stuck: number, 
 /**
@@ -2387,11 +2388,11 @@ stuck: number,
  */
 variance: number, 
 /**
- * Finite, and no aircraft can be there or do that.
+ * Finite, but no aircraft can be there or do that.
  */
 implausible: number, 
 /**
- * Outliers: too far from what the filter expected.
+ * Outliers: too far from the filter's prediction.
  */
 gated: number, };
 
@@ -2408,8 +2409,8 @@ multiplier: number,
  */
 window_s: number, 
 /**
- * Whether it detects the step nine times in ten; if not, no rule does at that false-alarm rate,
- * and this one detects the smallest step.
+ * Whether it detects the step nine times in ten. If not, no rule does at that false-alarm rate, and this
+ * one detects the smallest step.
  */
 detects_step: boolean, 
 /**
@@ -2417,7 +2418,7 @@ detects_step: boolean,
  */
 smallest_step_m: number, 
 /**
- * What it costs and catches.
+ * Its false alarms and its detection.
  */
 quality: RuleQuality, };
 
@@ -2430,7 +2431,7 @@ export type ReferenceComparison = {
  */
 captive: PhaseSummary, 
 /**
- * Fixes that were and were not used.
+ * Counts of fixes that were and were not used.
  */
 fixes: ReadingCounts, };
 
@@ -2451,7 +2452,7 @@ regressor: string,
  */
 why: Why, 
 /**
- * The effect of the catalogue that explains as much, if that is why.
+ * The effect of the catalogue that explains as much, if that is the reason.
  */
 effect: string | null, };
 
@@ -2469,7 +2470,7 @@ second_correction: string,
 sensors: Array<RemedyFigures>, };
 
 /**
- * What a second correction did for one sensor.
+ * Result of a second correction for one sensor.
  */
 export type RemedyFigures = { 
 /**
@@ -2496,8 +2497,8 @@ untrustworthy_after_s: number | null, };
 /**
  * White noise plus first-order Gauss-Markov processes, sampled at a fixed interval.
  *
- * Non-negative variances make it a valid process whatever the data; an oscillating autocovariance
- * is outside it and is replaced by its nearest monotone one. Values are Gaussian.
+ * Non-negative variances make it a valid process whatever the data. It cannot represent an oscillating
+ * autocovariance, which is replaced by the nearest monotone one. Values are Gaussian.
  */
 export type ResidualModel = { 
 /**
@@ -2513,7 +2514,7 @@ white_variance_m2: number,
  */
 components: Array<Component>, 
 /**
- * Longest lag that the data could say anything about, seconds.
+ * Longest lag that the data cover, seconds.
  */
 longest_lag_s: number, };
 
@@ -2526,11 +2527,11 @@ export type RevisionFacts = {
  */
 number: number, 
 /**
- * The effect that it added or learned anew.
+ * The effect that it added or learned again.
  */
 effect: string | null, 
 /**
- * The day.
+ * The date.
  */
 date: string | null, };
 
@@ -2568,7 +2569,7 @@ manoeuvres: Array<Span>,
  */
 motion: MotionNumbers, 
 /**
- * Which signals it was read from.
+ * The signals from which it was computed.
  */
 sources: MotionSources, 
 /**
@@ -2581,7 +2582,7 @@ bounds_m: { [key in string]: number },
 launch_s: number | null, };
 
 /**
- * What a rule costs on a healthy sensor and how soon it detects faults.
+ * False alarms of a rule on a healthy sensor, and its delays of detection.
  */
 export type RuleQuality = { 
 /**
@@ -2598,17 +2599,17 @@ healthy_share_beyond: number,
  */
 healthy_first_doubt_s: number | null, 
 /**
- * Times an hour at which a healthy sensor would be called untrustworthy (eq. 17, right), once
- * the window is full.
+ * Rate at which a healthy sensor would be called untrustworthy, per hour (eq. 17, right), once the
+ * window is full.
  */
 false_alarms_per_hour: number, 
 /**
- * Share of launches at which a healthy sensor would be called untrustworthy before the window is
- * full: until then what is not covered counts as no error.
+ * Share of launches at which a healthy sensor would be called untrustworthy before the window is full:
+ * until then the part without readings counts as no error.
  */
 healthy_alarm_in_first_window: number, 
 /**
- * Detection of the faults asked about.
+ * Delays for the given faults.
  */
 delays: Array<Delay>, };
 
@@ -2621,7 +2622,7 @@ export type Sample = {
  */
 name: string, 
 /**
- * What it is, in one sentence, that it is simulated included.
+ * Description in one sentence, including that it is simulated.
  */
 about: string, };
 
@@ -2631,7 +2632,7 @@ about: string, };
 export type SamplesRequest = Record<symbol, never>;
 
 /**
- * Asks for the points of one signal over another.
+ * Asks for the points of one signal against another.
  */
 export type ScatterRequest = { 
 /**
@@ -2639,31 +2640,31 @@ export type ScatterRequest = {
  */
 flight: string, 
 /**
- * The model that flies.
+ * The model to fly.
  */
 model: ModelText, 
 /**
- * What the user says of its times.
+ * The user's times for it.
  */
 times: Times, 
 /**
- * Across.
+ * The signal on the horizontal axis.
  */
 x: Signal, 
 /**
- * Up.
+ * The signal on the vertical axis.
  */
 y: Signal, 
 /**
- * From when, seconds of the flight's own clock; null: from its first row.
+ * Start, seconds of the flight's own clock; null: its first row.
  */
 from_s: number | null, 
 /**
- * To when; null: to its last.
+ * End; null: its last row.
  */
 to_s: number | null, 
 /**
- * More points than this are thinned out evenly.
+ * Limit on the points; more are thinned out evenly.
  */
 at_most: number, };
 
@@ -2672,7 +2673,7 @@ at_most: number, };
  */
 export type SensorChange = { 
 /**
- * With the model as it was.
+ * With the original model.
  */
 before: SensorScore, 
 /**
@@ -2689,7 +2690,7 @@ export type SensorComparison = {
  */
 flies_free: boolean, 
 /**
- * Bias as latched (without a launch: as estimated last), metres.
+ * Latched bias (without a launch: the last estimate), metres.
  */
 bias_m: number | null, 
 /**
@@ -2701,7 +2702,7 @@ bias_sigma_m: number | null,
  */
 residual_sigma_m: number | null, 
 /**
- * Root mean square error in captive flight, by the latched bias, metres.
+ * Root mean square error in captive flight, with the latched bias, metres.
  */
 captive_rms_m: number | null, 
 /**
@@ -2725,7 +2726,7 @@ untrustworthy_after_s: number | null,
  */
 trust: string, 
 /**
- * For how long there was no reference to watch it by, seconds.
+ * Time without a reference to monitor it, seconds.
  */
 unmonitored_s: number, 
 /**
@@ -2741,7 +2742,7 @@ captive: PhaseSummary,
  */
 free_flight: PhaseSummary, 
 /**
- * Readings that were and were not used.
+ * Counts of readings that were and were not used.
  */
 readings: ReadingCounts, };
 
@@ -2754,25 +2755,25 @@ export type SensorDiagnosis = {
  */
 verdict: Verdict, 
 /**
- * Ids of the effects that are missing for sure, the strongest first.
+ * Ids of the effects that are certainly missing, the strongest first.
  */
 missing: Array<string>, 
 /**
- * Sets of ids: of each set, one acts, and the flights can't tell which. The most probable comes first;
- * those below 5 % are not listed, but for the second.
+ * Sets of effect ids: one of each set acts, and the flights cannot tell which. The most probable comes
+ * first; those below 5 % are not listed, except the second.
  */
 indistinguishable: Array<Array<string>>, 
 /**
- * How probable each of a set is to be the one that acts, in the order of `indistinguishable`; what they
- * lack to one is of those that are not listed.
+ * Probability of each effect of a set, in the order of `indistinguishable`. What remains to 1 belongs to
+ * effects that are not listed.
  */
 probabilities: Array<Array<number>>, 
 /**
- * Every effect that was tried, the chosen ones first and then by their p-value.
+ * Every effect that was tried: the chosen ones first, then by p-value.
  */
 candidates: Array<CandidateFacts>, 
 /**
- * What to do next, in words; empty where nothing is to be done.
+ * What to do next, in words; empty if nothing is to be done.
  */
 advice: string, 
 /**
@@ -2780,13 +2781,13 @@ advice: string,
  */
 follows: Array<Follows>, 
 /**
- * How many times larger the sensor's own wander is in free flight than in captive flight, once
- * everything that was found is taken off.
+ * How many times larger the sensor's own wander is in free flight than in captive flight, after
+ * everything that was found is subtracted.
  */
 free_flight_factor: number | null, };
 
 /**
- * The rule that is set and the one that is recommended, for one sensor.
+ * The configured rule and the recommended one, for one sensor.
  */
 export type SensorRules = { 
 /**
@@ -2794,7 +2795,7 @@ export type SensorRules = {
  */
 residual: ResidualModel, 
 /**
- * The rule that flew.
+ * The rule that was flown.
  */
 set: RuleQuality | null, 
 /**
@@ -2802,7 +2803,7 @@ set: RuleQuality | null,
  */
 recommended: Recommendation | null, 
 /**
- * The wanted rate of false alarms, per hour.
+ * The wanted false-alarm rate, per hour.
  */
 wanted_false_alarms_per_hour: number, };
 
@@ -2811,7 +2812,7 @@ wanted_false_alarms_per_hour: number, };
  */
 export type SensorScore = { 
 /**
- * Root mean square error in captive flight, by the latched bias, metres; `None` without a reading.
+ * Root mean square error in captive flight, with the latched bias, metres; `None` without a reading.
  */
 captive_rms_m: number | null, 
 /**
@@ -2827,7 +2828,7 @@ doubtful_after_s: number | null,
  */
 untrustworthy_after_s: number | null, 
 /**
- * How long it flew free: from launch to the flight's last tick, seconds; `None` without launch.
+ * Duration of its free flight, from launch to the flight's last tick, seconds; `None` without launch.
  */
 free_flight_s: number | null, };
 
@@ -2849,11 +2850,11 @@ sensor: string,
  */
 state: SensorState, 
 /**
- * Samples.
+ * Number of samples.
  */
 samples: number, 
 /**
- * Median rate, samples a second.
+ * Median rate, samples per second.
  */
 rate_hz: number | null, 
 /**
@@ -2861,7 +2862,7 @@ rate_hz: number | null,
  */
 columns: Array<string>, 
 /**
- * What its altitudes are measured from, `msl`, `ellipsoid` or `pressure`; null for what is no altitude.
+ * Datum of its altitudes, `msl`, `ellipsoid` or `pressure`; null for a sensor that is not an altitude.
  */
 datum: string | null, };
 
@@ -2883,11 +2884,11 @@ time_s: number, };
  */
 export type Series = { 
 /**
- * The axis, seconds, increasing: a row's time each, or the middle of a pixel's slot.
+ * The axis, seconds, increasing: the time of each row, or the middle of each pixel's slot.
  */
 time_s: Numbers, 
 /**
- * Whether a point is a pixel's slot, with least and greatest value; otherwise it is a row, and these are
+ * Whether a point is a pixel's slot with least and greatest value; otherwise it is a row, and both are
  * the same array.
  */
 is_thinned: boolean, 
@@ -2897,7 +2898,7 @@ is_thinned: boolean,
 curves: Array<Drawn>, };
 
 /**
- * Asks for curves on one time axis, thinned out so that their drawing looks the same: no spike is lost.
+ * Asks for curves on one time axis, thinned out without changing how they look: no spike is lost.
  */
 export type SeriesRequest = { 
 /**
@@ -2905,11 +2906,11 @@ export type SeriesRequest = {
  */
 flight: string, 
 /**
- * The model that flies.
+ * The model to fly.
  */
 model: ModelText, 
 /**
- * What the user says of its times.
+ * The user's times for it.
  */
 times: Times, 
 /**
@@ -2917,29 +2918,29 @@ times: Times,
  */
 signals: Array<Signal>, 
 /**
- * From when, seconds of the flight's own clock; null: from its first row.
+ * Start, seconds of the flight's own clock; null: its first row.
  */
 from_s: number | null, 
 /**
- * To when; null: to its last.
+ * End; null: its last row.
  */
 to_s: number | null, 
 /**
- * How many pixels the axis has.
+ * Width of the axis, pixels.
  */
 pixels: number, };
 
 /**
- * Effects of which one acts.
+ * A set of effects of which one acts.
  */
 export type SetOutlook = { 
 /**
- * Its effects, the most probable first.
+ * The effects of the set, the most probable first.
  */
 members: Array<MemberOutlook>, };
 
 /**
- * What a curve is of.
+ * The quantity that a curve shows.
  */
 export type Signal = { "signal": "column", 
 /**
@@ -2971,7 +2972,7 @@ sensor: string,
  */
 noise: NoiseFacts, 
 /**
- * The effects that it found and that the model lacks: they are no wander of the reference's either.
+ * The effects that it found and that the model lacks: they too are not the reference's wander.
  */
 found: Array<Acting>, } | { "signal": "effect", 
 /**
@@ -2980,24 +2981,24 @@ found: Array<Acting>, } | { "signal": "effect",
 of: Acting, } | { "signal": "climb_rate" } | { "signal": "speed" } | { "signal": "load_factor" } | { "signal": "turn_rate" };
 
 /**
- * A stretch of time and what there was in it.
+ * A stretch of time with its label.
  */
 export type Span = { 
 /**
- * From when, seconds of the flight's own clock.
+ * Start, seconds of the flight's own clock.
  */
 from_s: number, 
 /**
- * To when.
+ * End.
  */
 to_s: number, 
 /**
- * What, a word of the catalogue: a manoeuvre, a trust, a phase.
+ * The label: a manoeuvre, a trust or a phase.
  */
 what: string, };
 
 /**
- * A stretch of flight in which the aircraft did one thing.
+ * A stretch of flight with one manoeuvre.
  */
 export type Stretch = { 
 /**
@@ -3009,7 +3010,7 @@ from_s: number,
  */
 to_s: number, 
 /**
- * What the aircraft was doing.
+ * The manoeuvre.
  */
 doing: Manoeuvre, 
 /**
@@ -3029,7 +3030,7 @@ mean_m: number,
  */
 rms_m: number, 
 /**
- * Share of the sensor's squared error over the whole of free flight.
+ * Share of the sensor's squared error over all of free flight.
  */
 share_of_squared_error: number, };
 
@@ -3058,7 +3059,7 @@ unit: string,
  */
 estimate: boolean, 
 /**
- * Time constant of its regressor, seconds, where it has one.
+ * Time constant of its regressor, seconds, if it has one.
  */
 time_constant_s: number | null, 
 /**
@@ -3070,12 +3071,12 @@ since: string | null,
  */
 learned_from: string | null, 
 /**
- * The day.
+ * The date on which it was learned.
  */
 date: string | null, };
 
 /**
- * What the user says of a flight's times; null: what Pylon finds.
+ * The user's times for a flight; null: those that Pylon finds.
  */
 export type Times = { 
 /**
@@ -3088,7 +3089,7 @@ window: Window | null,
 airborne: Airborne | null, };
 
 /**
- * How good the news is; what it is drawn as.
+ * How good the result is, which determines its look.
  */
 export type Tone = "good" | "caution" | "bad";
 
@@ -3105,7 +3106,7 @@ effect: string,
  */
 needs: Array<string>, 
 /**
- * Why no column would help, where none would.
+ * Why no column would help, if none would.
  */
 reason?: string | null, };
 
@@ -3114,11 +3115,11 @@ reason?: string | null, };
  */
 export type Unused = { 
 /**
- * From when, seconds.
+ * Start, seconds.
  */
 from_s: number, 
 /**
- * To when, seconds.
+ * End, seconds.
  */
 to_s: number, 
 /**
@@ -3126,7 +3127,7 @@ to_s: number,
  */
 share: number, 
 /**
- * Why.
+ * Why it is not analysed.
  */
 reason: string, };
 
@@ -3135,25 +3136,25 @@ reason: string, };
  */
 export type VehicleResult = { 
 /**
- * The vehicle; empty where the header does not say one.
+ * The vehicle; empty if the header has none.
  */
 vehicle: string, 
 /**
- * Its flights.
+ * Number of its flights.
  */
 flights: number, 
 /**
- * The effects in question that any of them tells.
+ * The effects in question that any of them determines.
  */
 effects: Array<EffectResult>, };
 
 /**
- * What is known about a misfit. Ordered by how much it asks of the user.
+ * What is known about a misfit, ordered by how much it asks of the user.
  */
 export type Verdict = "no_significant_misfit" | "insufficient_excitation" | "identified" | "indistinguishable" | "unknown_effect";
 
 /**
- * How white a sequence is.
+ * Whiteness of a sequence.
  */
 export type Whiteness = { 
 /**
@@ -3169,7 +3170,7 @@ ljung_box: number,
  */
 p_value: number, 
 /**
- * How many values there were.
+ * Number of values.
  */
 count: number, };
 
@@ -3179,7 +3180,7 @@ count: number, };
 export type Why = "not_enough_evidence" | "held_out" | "catalogue" | "shape" | "no_formula";
 
 /**
- * Where to calibrate, seconds of the flight's own clock; launch is said at its end.
+ * Where to calibrate, seconds of the flight's own clock; its end is taken as launch.
  */
 export type Window = { 
 /**
