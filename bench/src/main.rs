@@ -150,7 +150,7 @@ fn bench(counter: &Counter) -> ExitCode {
         return ExitCode::FAILURE;
     };
     let Some(formulas) = formulas::outcomes(counter) else {
-        eprintln!("bench: a formula is no program");
+        eprintln!("bench: a formula is not a valid program");
         return ExitCode::FAILURE;
     };
     println!("name,role,mean,least,most,h_m,bias_master_m,bias_slave_m,bias_baro_m,agrees");

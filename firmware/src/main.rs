@@ -331,7 +331,7 @@ mod app {
         let tell::LocalResources { ticks_out, downlink, .. } = cx.local;
         let mut computer = cx.shared.computer;
         let mut counts = cx.shared.counts;
-        SUPERVISOR.is_alive(Supervised::Tell);
+        SUPERVISOR.is_alive(Supervised::Telemetry);
         while let Some(tick) = ticks_out.peek() {
             let begun = CostClock::now();
             if downlink.lacks_latch(tick) {

@@ -14,7 +14,7 @@ pub fn log_standby(report: &RestartReport) {
 /// Logs the outcome of the start.
 pub fn log(report: &RestartReport) {
     defmt::error!(
-        "restart {=u32} ({=str}) after {=str}; the clock goes on at {=u64} us",
+        "restart {=u32} ({=str}) after {=str}; the clock continues at {=u64} us",
         report.restarts,
         report.start.name(),
         report.cause.name(),
@@ -43,8 +43,8 @@ pub fn log(report: &RestartReport) {
     match report.start {
         Start::Lost => defmt::error!("the latched calibration is lost"),
         Start::Captive => defmt::warn!("the calibration starts again"),
-        Start::Standby => defmt::error!("too many crashes: there is no mission any more"),
-        Start::Cold => defmt::warn!("nothing of what was kept is used: a new flight"),
+        Start::Standby => defmt::error!("too many crashes: the mission does not continue"),
+        Start::Cold => defmt::warn!("no kept state is used: a new flight"),
         Start::Suspected => defmt::warn!("a launch was suspected: the calibration is held"),
         Start::Resumed => {}
     }

@@ -269,8 +269,7 @@ impl Budgets {
                         measured >= known.limit
                     }
                 });
-                (!is_no_worse)
-                    .then(|| format!("{}: worse than the {} that is known", check.line(), known.limit))
+                (!is_no_worse).then(|| format!("{}: worse than the known {}", check.line(), known.limit))
             }
         };
         checks.iter().filter_map(line).collect()
@@ -279,7 +278,7 @@ impl Budgets {
     fn image(&self, name: &str, image: &Image, flash_bytes: u64) -> [Check; 3] {
         [
             Check::at_most(
-                format!("{name}: names files of cargo's registry"),
+                format!("{name}: contains paths of cargo's registry"),
                 u32::from(image.names_registry),
                 0_u32,
             ),
@@ -315,7 +314,7 @@ impl Budgets {
                 budget.messages_instructions_worst,
             ),
             Check::at_most(
-                format!("{name}: jitter of the ticks' beginning, instructions"),
+                format!("{name}: jitter of the tick's start, instructions"),
                 report.start_jitter,
                 budget.start_jitter_instructions,
             ),

@@ -56,8 +56,8 @@ fn hidden(trial: &Trial) -> String {
     match &trial.case.kind {
         Kind::Null => "nothing".to_owned(),
         Kind::Glitch(_) => "a glitch of the reference".to_owned(),
-        Kind::SmoothedGps(_) => "a reference that filters".to_owned(),
-        Kind::Outside(_, over_noise) => format!("outside of the catalogue, {}", size(*over_noise)),
+        Kind::SmoothedGps(_) => "a filtered reference".to_owned(),
+        Kind::Outside(_, over_noise) => format!("outside the catalogue, {}", size(*over_noise)),
         Kind::Effects(_) => match trial.truth.as_slice() {
             [] => "an effect that this flight does not excite".to_owned(),
             [(id, over_noise)] => {

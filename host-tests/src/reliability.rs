@@ -10,9 +10,9 @@ const BOUNDS: [f64; 7] = [0.01, 0.1, 0.5, 0.9, 0.95, 0.99, 1.0];
 #[must_use]
 pub fn diagram(said: &[(f64, bool)]) -> String {
     if said.is_empty() {
-        return "no probability was said of a flight whose truth is known\n".to_owned();
+        return "no probability was reported for a flight whose truth is known\n".to_owned();
     }
-    let mut text = format!("{:<24} {:>8} {:>10} {:>8}\n", "probability said", "effects", "mean", "act");
+    let mut text = format!("{:<24} {:>8} {:>10} {:>8}\n", "reported probability", "effects", "mean", "act");
     for bounds in BOUNDS.windows(2) {
         let is_last = bounds[1] == 1.0;
         let within: Vec<&(f64, bool)> =

@@ -226,7 +226,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
                 // lost.
                 variance_m2 += square(config.reference.prior_sigma_m);
                 limit = square(GATE_SIGMAS);
-                self.reference_gate.begin_anew();
+                self.reference_gate.restart();
             }
         }
         let innovation_m = fix.altitude_m - expected_m - climbed_m;
@@ -573,7 +573,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         // Everything is measured against the first fix's level. A level that ends within the memory that it
         // is judged by was a false one: some fixes were off as the calibration began, or began again.
         if has_settled && !self.has_fix {
-            self.reference_level.begin_anew();
+            self.reference_level.restart();
         }
         let is_apart = self.reference_level.follow(&config.reference, fix, counts);
         let is_young = |start_us| seconds_between(start_us, time_us) < reference_level::BEFORE_S;

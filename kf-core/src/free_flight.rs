@@ -154,14 +154,14 @@ struct Watch {
     correction: Correction,
     /// The sensor's effects could not be continued over a restart: its error is no longer known.
     stopped: bool,
-    testimony: Testimony,
+    testimony: LastError,
     /// The last reading was not judged.
     is_unjudged: bool,
 }
 
 /// The sensor's latest evidence about the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Testimony {
+struct LastError {
     /// Error of its last reading against the reference as it is now, metres.
     error_m: f32,
     time_us: u64,
@@ -169,7 +169,7 @@ struct Testimony {
 
 impl Watch {
     /// Whether the sensor can be used as a witness for the reference.
-    fn can_testify(&self, time_us: u64, silent_after_us: u64) -> bool {
+    fn can_compare(&self, time_us: u64, silent_after_us: u64) -> bool {
         self.is_on
             && !self.stopped
             && self.monitor.trust() != Trust::Untrustworthy
@@ -193,7 +193,7 @@ pub(crate) struct KeptWatch {
     monitor: KeptMonitor,
     correction: KeptCorrection,
     stopped: bool,
-    testimony: Testimony,
+    testimony: LastError,
 }
 
 /// State of free flight that cannot be recovered from configuration and latch. It is read part by part.
@@ -231,7 +231,7 @@ impl FreeFlight {
                 .with_persistence(microseconds(config.monitor.persistence_s)),
             correction: Correction::new(&config.second_correction, window_us),
             stopped: false,
-            testimony: Testimony { error_m: 0.0, time_us: 0 },
+            testimony: LastError { error_m: 0.0, time_us: 0 },
             is_unjudged: false,
         };
         Self {
@@ -257,7 +257,7 @@ impl FreeFlight {
             watch.is_on = latched.is_some();
             watch.stopped = false;
             // A reading is expected soon; until then it supports no altitude.
-            watch.testimony = Testimony { error_m: f32::NAN, time_us: latch.time_us };
+            watch.testimony = LastError { error_m: f32::NAN, time_us: latch.time_us };
             watch.is_unjudged = false;
             if let Some(latched) = latched {
                 let longest_step_us = longest_step_us(latch.duration_s, latched.readings);
@@ -347,9 +347,9 @@ impl FreeFlight {
         }
         let departure_m = carried_m.map_or(0.0, |carried_m| altitude_m - carried_m);
         let Self { watches, reference, silent_after_us } = self;
-        let can_testify = |watch: &&Watch| watch.can_testify(time_us, *silent_after_us);
+        let can_compare = |watch: &&Watch| watch.can_compare(time_us, *silent_after_us);
         let agree = |departure_m: f32| {
-            let mut witnesses = watches.iter().filter(can_testify);
+            let mut witnesses = watches.iter().filter(can_compare);
             witnesses.all(|watch| watch.is_within_bound(watch.testimony.error_m - departure_m))
         };
         // Without witnesses both are true.
@@ -386,7 +386,7 @@ impl FreeFlight {
         let is_unjudged = self.reference.is_on()
             && (!is_current || self.may_be_the_references(place, time_us, corrected_m));
         let watch = self.watches.get_mut(place)?;
-        watch.testimony = Testimony { error_m: corrected_m, time_us };
+        watch.testimony = LastError { error_m: corrected_m, time_us };
         watch.is_unjudged = is_unjudged;
         if is_unjudged {
             return Some(WatchedError { error_m: corrected_m, moving_average_m: None });
@@ -414,16 +414,16 @@ impl FreeFlight {
             self.reference.settle();
             return false;
         }
-        let can_testify = other.can_testify(time_us, self.silent_after_us);
+        let can_compare = other.can_compare(time_us, self.silent_after_us);
         let other_m = self.reference.other_m();
         if own.is_within_bound(error_m - other_m)
-            && !(can_testify
+            && !(can_compare
                 && self.reference.is_witness(other.testimony.time_us)
                 && other.contradicts(other_m))
         {
             return true;
         }
-        if !can_testify {
+        if !can_compare {
             return self.reference.is_disputed();
         }
         let own = (error_m, own.monitor.bound_m2());

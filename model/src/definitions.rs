@@ -152,7 +152,7 @@ impl DefinitionTable {
         let program = if is_negative { negated(formula.program()) } else { Some(*formula.program()) };
         let Some(program) = program else {
             let whole = 0..law.len();
-            let message = "the formula is too long by one operation: what every sensor has is the reference's, with the opposite sign";
+            let message = "the formula is too long by one operation: an effect on every sensor is computed as the reference's, with the opposite sign";
             let error = FormulaError { message: message.to_owned(), span: whole, text: law.to_owned() };
             return Err(self.wrong(error, text));
         };
@@ -424,7 +424,7 @@ mod tests {
         };
         let text: String = ["a.a", "a.b", "a.c"].map(delayed).concat();
         assert!(
-            refused(&text).contains("remember 126 numbers; with 0 estimated effects a restart keeps 82"),
+            refused(&text).contains("store 126 numbers; with 0 estimated effects a restart keeps at most 82"),
             "{}",
             refused(&text)
         );

@@ -58,7 +58,7 @@ pub enum ModelError {
         id: String,
     },
     /// An id that is already used.
-    #[error("row {row}: effect_definition '{id}' has the id of {with}: give it another")]
+    #[error("row {row}: effect_definition '{id}' has the id of {with}: choose another id")]
     DefinitionClash {
         /// Line, from 1.
         row: usize,
@@ -88,7 +88,7 @@ pub enum ModelError {
     /// A learned coefficient whose formula has changed.
     #[error(
         "row {row}: the coefficient of {id} was learned for another formula ({found}) than effect_definition {id} has now ({now}): \
-         learn it again (remove this [[effect]], then pylon add {id} --model MODEL.toml --from FLIGHT), or bring the old definition back"
+         learn it again (remove this [[effect]], then pylon add {id} --model MODEL.toml --from FLIGHT), or restore the old definition"
     )]
     OtherFormula {
         /// Line, from 1.
@@ -102,8 +102,8 @@ pub enum ModelError {
     },
     /// A learned coefficient without the fingerprint of its formula.
     #[error(
-        "row {row}: the coefficient of {id} was learned, and does not say for which formula: learn it again with pylon add, or, if \
-         it is one of the definition as it stands, add formula = \"{now}\""
+        "row {row}: the coefficient of {id} was learned, but its formula is not recorded: learn it again with pylon add, or, if \
+         it was learned with the present definition, add formula = \"{now}\""
     )]
     NoFormula {
         /// Line, from 1.
@@ -115,7 +115,7 @@ pub enum ModelError {
     },
     /// A formula with signals that a flight computer does not have.
     #[error(
-        "effect {id} reads {signals}, which the flight computer does not have: measure it there, or leave the effect out of the model that flies"
+        "effect {id} reads {signals}, which the flight computer does not have: measure it there, or remove the effect from the model that flies"
     )]
     NotOnBoard {
         /// The effect.
@@ -125,7 +125,7 @@ pub enum ModelError {
     },
     /// Formulas whose memory does not fit.
     #[error(
-        "the effects by formula remember {found} numbers; with {estimated} estimated effects a restart keeps {most}: use fewer integrals, means and delays, or estimate fewer effects"
+        "the effects by formula store {found} numbers; with {estimated} estimated effects a restart keeps at most {most}: use fewer integrals, means and delays, or estimate fewer effects"
     )]
     FormulaWords {
         /// Numbers that they remember.

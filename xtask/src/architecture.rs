@@ -31,7 +31,7 @@ fn violations(allowed: &Arrows, found: &Arrows) -> Vec<String> {
     let mut lines = Vec::new();
     for (from, dependencies) in found {
         let Some(permitted) = allowed.get(from) else {
-            lines.push(format!("`{from}` has no place in ARCHITECTURE.md: say there what it may depend on"));
+            lines.push(format!("`{from}` is missing from ARCHITECTURE.md: list there what it may depend on"));
             continue;
         };
         for to in dependencies.difference(permitted) {
@@ -39,7 +39,7 @@ fn violations(allowed: &Arrows, found: &Arrows) -> Vec<String> {
         }
     }
     for name in allowed.keys().filter(|name| !found.contains_key(*name)) {
-        lines.push(format!("ARCHITECTURE.md names `{name}`, which is no crate of the workspace"));
+        lines.push(format!("ARCHITECTURE.md names `{name}`, which is not a crate of the workspace"));
     }
     lines
 }

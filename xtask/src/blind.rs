@@ -83,7 +83,7 @@ pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Res
     program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet", "--dump"]).arg(&folder);
     eprintln!("flying {trials} blind trials");
     let ours = child::run(&mut program, echo)?.stdout;
-    eprintln!("giving their residuals to least squares and the LASSO");
+    eprintln!("fitting their residuals with least squares and the LASSO");
     let theirs = child::run(&mut script(&BESIDE_DIAGNOSIS, python, &folder), echo)?.stdout;
     let text = tables(trials, seed, &ours, &theirs);
     print!("{text}");
@@ -97,7 +97,7 @@ pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Res
 pub fn real(half: &str, write: bool, echo: bool) -> anyhow::Result<()> {
     let mut program = built("real_trials", echo)?;
     program.args(["--quiet", "--half", half]);
-    eprintln!("diagnosing real logs and flights made of their tracks: some minutes");
+    eprintln!("diagnosing real logs and flights made from their tracks: takes some minutes");
     let said = child::run(&mut program, echo)?.stdout;
     println!("{}", said.trim());
     if write {
@@ -125,7 +125,7 @@ pub fn laws(trials: u64, seed: u64, beside: u64, write: bool, echo: bool) -> any
         let mut program = built("laws", echo)?;
         program.args([&beside.to_string(), "--seed", &seed.to_string(), "--dump"]).arg(&folder);
         child::run(&mut program, echo)?;
-        eprintln!("giving {beside} of them to symbolic and to sparse regression: about half a minute each");
+        eprintln!("fitting {beside} of them with symbolic and sparse regression: about half a minute each");
         let theirs = child::run(&mut script(&BESIDE_LAWS, python, &folder), echo)?.stdout;
         println!("\n{}", theirs.trim());
         said = format!("{said}\n\n{}", theirs.trim());

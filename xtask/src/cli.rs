@@ -202,7 +202,7 @@ Examples:
   cargo xtask mutants replay --sample 200      a larger sample
   cargo xtask mutants kf-core --sample 0       every mutant: hours
 
-It uses cargo-mutants, which it installs into target/tools when it is missing. It is no part of `cargo xtask test`. The survivors
+It uses cargo-mutants, which it installs into target/tools when it is missing. It is not part of `cargo xtask test`. The survivors
 are listed in target/mutants/mutants.out/missed.txt; docs/mutants.md has what was measured.")]
     Mutants {
         /// The crate.

@@ -70,7 +70,7 @@ pub fn test(echo: bool) -> anyhow::Result<Done> {
     let drawn = story.pictures.iter().find(|picture| picture.ends_with(DRAWN));
     let drawn = drawn.with_context(|| format!("the demo draws no {DRAWN}"))?;
     if fs::read(drawn)? != fs::read(workspace::root().join(SHOWN))? {
-        bail!("{SHOWN} is not what the demo draws: copy {} there, and look at it", workspace::shown(drawn));
+        bail!("{SHOWN} is not what the demo draws: check {} and copy it there", workspace::shown(drawn));
     }
     Ok(Done::all(format!(
         "{} and {} ticks bit for bit, {} pictures, {} found and added, a report",
@@ -112,7 +112,7 @@ impl Demo {
         let diagnosis: Diagnosis = self.json("diagnosing the flight with a hidden effect", diagnose)?;
         let missing = diagnosis.missing();
         let [effect] = missing.as_slice() else {
-            bail!("the diagnosis says {}: {}", diagnosis.verdict, missing.join(", "));
+            bail!("the diagnosis concludes {}: {}", diagnosis.verdict, missing.join(", "));
         };
         let model = folder.join("improved.toml");
         let mut add = self.pylon("add");
@@ -162,7 +162,7 @@ impl Demo {
                 let paper = scope.spawn(|| json(&mut paper, echo, &hear));
                 let improved = json(&mut improved, echo, &hear);
                 let paper =
-                    paper.join().map_err(|_| anyhow!("what flies the paper's flight has panicked"))?;
+                    paper.join().map_err(|_| anyhow!("the thread that flies the paper's flight panicked"))?;
                 Ok([paper?, improved?])
             })
         })
@@ -203,7 +203,7 @@ fn json<T: DeserializeOwned>(
 ) -> anyhow::Result<T> {
     let said = child::run_heard(command, echo, hear)?;
     serde_json::from_str(&said.stdout)
-        .with_context(|| format!("`{}` said something unexpected", child::shown(command)))
+        .with_context(|| format!("`{}` printed unexpected output", child::shown(command)))
 }
 
 /// Folder of the demo's files.

@@ -44,8 +44,8 @@ pub fn run(arguments: &Arguments, echo: bool) -> anyhow::Result<ExitCode> {
     // The workbench prints progress and report itself, so it needs the terminal.
     let status = fly.stdin(Stdio::inherit()).status().with_context(|| shown.clone())?;
     eprintln!(
-        "a board that was written to keeps this image, which does nothing without its probe; `cargo xtask flash` gives it the \
-         flight computer's"
+        "a board that was written to keeps this image, which does nothing without a probe; `cargo xtask flash` writes the flight \
+         computer's again"
     );
     let code = status.code().and_then(|code| u8::try_from(code).ok());
     code.map(ExitCode::from).ok_or_else(|| anyhow!("`{shown}` ended with {status}"))

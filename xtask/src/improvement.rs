@@ -90,7 +90,7 @@ impl fmt::Display for Improvement {
         writeln!(
             formatter,
             "
-Two simulated flights with an error in them that the default model does not know.
+Two simulated flights with an error that the default model does not account for.
 
   found       {effect} is missing (pylon diagnose, from the first flight alone)
   added       its coefficient {} +- {} (pylon add)

@@ -129,8 +129,8 @@ impl Need {
             Self::Clippy => Ok(rustup("component", "clippy")),
             Self::Target => Ok(rustup("target", TARGET)),
             Self::Wasm => Ok(rustup("target", wasm::TARGET)),
-            Self::Qemu => install(QEMU, &format!("it must offer `{QEMU} -machine {MACHINE}`")),
-            Self::Npm => install(NPM, "Node.js brings it"),
+            Self::Qemu => install(QEMU, &format!("it must support `{QEMU} -machine {MACHINE}`")),
+            Self::Npm => install(NPM, "part of Node.js"),
             Self::Chromium => install(CHROMIUM, "its command must be `chromium`"),
             Self::Pymavlink => {
                 let has_venv =

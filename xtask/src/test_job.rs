@@ -73,7 +73,7 @@ pub fn run(words: &[String], list: bool, echo: bool) -> anyhow::Result<bool> {
         .collect();
     if chosen.is_empty() {
         let words = words.join(" or ");
-        bail!("no step and no program of tests is called {words}; `cargo xtask test --list` names them");
+        bail!("no step or test program is called {words}; `cargo xtask test --list` names them");
     }
     if list {
         for step in chosen {

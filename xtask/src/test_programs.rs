@@ -108,7 +108,7 @@ fn build(echo: bool) -> anyhow::Result<HashMap<PathBuf, PathBuf>> {
     let mut executables = HashMap::new();
     for line in built.lines().filter(|line| line.starts_with(r#"{"reason":"compiler-artifact""#)) {
         let Artifact { target, profile, executable } =
-            serde_json::from_str(line).with_context(|| format!("cargo said something unexpected: {line}"))?;
+            serde_json::from_str(line).with_context(|| format!("cargo printed unexpected output: {line}"))?;
         if profile.test {
             executables.extend(executable.map(|executable| (target.src_path, executable)));
         }

@@ -32,7 +32,7 @@ fn steps_are_listed_without_running_them_and_an_unknown_one_is_refused() {
     assert!(!unknown.status.success() && unknown.stdout.is_empty());
     assert_eq!(
         text(&unknown.stderr),
-        "error: no step and no program of tests is called no-such-step; `cargo xtask test --list` names them\n"
+        "error: no step or test program is called no-such-step; `cargo xtask test --list` names them\n"
     );
 }
 

@@ -62,7 +62,7 @@ fn defined(model: &Model, effect: EffectId, parts: &Parts) -> String {
         (true, false) => {
             "in QEMU and where a vehicle delivers its signals; the F405 board's own sensors do not"
         }
-        _ => "on no flight computer, which has not all of its columns; it serves at the desk",
+        _ => "on no flight computer: not all of its columns are available there; for analysis only",
     };
     format!(
         "{name}, on {subject}, by formula of the model\n  {about}\n\n  adds         coefficient x {law}\n  coefficient  {unit}, \
@@ -70,7 +70,7 @@ fn defined(model: &Model, effect: EffectId, parts: &Parts) -> String {
          flies        {flies}\n\nWhether a flight has it: pylon diagnose FLIGHT --model MODEL.toml. To learn it: pylon add {name} \
          --model MODEL.toml --from FLIGHT.\n",
         subject = effect.subject().name(),
-        about = if parts.about.is_empty() { "(the model says nothing about it)" } else { parts.about },
+        about = if parts.about.is_empty() { "(the model does not describe it)" } else { parts.about },
         law = parts.law,
         unit = if effect.unit() == "1" { "a number" } else { effect.unit() },
         range = range(effect),

@@ -56,7 +56,7 @@ fn check_fits(length: u64, available: Option<u64>) -> io::Result<()> {
     Err(io::Error::new(
         io::ErrorKind::OutOfMemory,
         format!(
-            "it has {:.1} GB, which take up to {TIMES} times as much memory, and {:.1} GB are free: cut it into parts",
+            "it has {:.1} GB and needs up to {TIMES} times that in memory, but {:.1} GB are free: split it into parts",
             gigabytes(length),
             gigabytes(available)
         ),
@@ -103,7 +103,7 @@ mod tests {
         let error = check_fits(8_000_000_000, Some(20_000_000_000)).unwrap_err().to_string();
         assert_eq!(
             error,
-            "it has 8.0 GB, which take up to 3 times as much memory, and 20.0 GB are free: cut it into parts"
+            "it has 8.0 GB and needs up to 3 times that in memory, but 20.0 GB are free: split it into parts"
         );
     }
 

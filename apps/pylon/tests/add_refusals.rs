@@ -73,7 +73,7 @@ fn an_effect_that_others_look_like_is_named_with_them_and_needs_force() {
     without_columns(&directory.join("a.csv"), &["aoa_rad"]);
     let names = files(directory);
     let refused = refusal(directory, &add("baro.acceleration", &[]));
-    assert!(refused.contains("they can't tell it from baro.angle_of_attack"), "{refused}");
+    assert!(refused.contains("they can't distinguish it from baro.angle_of_attack"), "{refused}");
     assert!(refused.contains("nothing was written") && refused.contains("--force"), "{refused}");
     assert_eq!((model_text(directory).as_str(), files(directory)), (MODEL, names));
 

@@ -63,7 +63,7 @@ fn the_unchanged_flight_is_good_and_has_no_warning() {
             "quality": "good",
             "failed_checks": [],
             "duration_s": 50.0,
-            "source": "captive flight until the launch column says 1",
+            "source": "captive flight until the launch column is 1",
         })
     );
     assert_eq!(comparison["warnings"], json!([]));
@@ -116,7 +116,7 @@ fn a_sensor_that_sticks_is_said_so() {
     let stuck = comparison["sensors"]["baro"]["readings"]["stuck"].as_u64().unwrap();
     // All but the two seconds that detection takes.
     assert!((1_600..1_750).contains(&stuck), "{stuck}");
-    assert!(failed(&comparison, "sensors_alive") && warned(&comparison, "repeats itself"));
+    assert!(failed(&comparison, "sensors_alive") && warned(&comparison, "bit-identical readings"));
     assert!(warned(&comparison, "baro was not monitored"), "{}", comparison["warnings"]);
 }
 
@@ -327,7 +327,10 @@ fn effects_that_can_not_be_or_say_nothing_are_told() {
         "warning: m.toml: coefficient of effect baro.lag is 7 s, outside of its physical range 0 to 5 s"
     ));
     let comparison: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(warned(&comparison, "effect baro.propwash of the model had no say: the flight lacks throttle"));
+    assert!(warned(
+        &comparison,
+        "effect baro.propwash of the model was not applied: the flight lacks throttle"
+    ));
     assert!(!warned(&comparison, "effect baro.lag"));
 }
 
@@ -409,7 +412,7 @@ fn a_barometer_that_is_a_copy_of_the_receiver_is_said_before_everything_else() {
         })
         .collect();
     fs::write(path.join("copy.igc"), format!("AXXXABC\nHFDTE010124\n{fixes}")).unwrap();
-    let words = "no barometer: what stands in its place is the receiver's altitude, -47 m, copied";
+    let words = "no barometer: its column is a copy of the receiver's altitude, -47 m";
     let text = stdout(path, &["open", "copy.igc"]);
     assert!(text.lines().nth(1).unwrap().contains(words), "{text}");
     assert!(!text.contains("used  ") && !text.contains("pylon diagnose"), "{text}");
@@ -486,7 +489,7 @@ fn a_barometer_that_is_stuck_is_said_and_nothing_is_diagnosed_by_it() {
     for command in ["compare", "diagnose"] {
         let said = refusal(path, &[command, "stuck.csv"]);
         assert!(
-            said.contains("stuck.csv: the barometer is stuck: it says the same for the whole flight"),
+            said.contains("stuck.csv: the barometer is stuck: it repeats one value for the whole flight"),
             "{said}"
         );
     }

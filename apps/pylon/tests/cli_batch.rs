@@ -143,7 +143,7 @@ fn a_folder_is_every_log_in_it_and_a_pattern_what_it_matches() {
         (&["diagnose", "logs/.trash", "logs"][..], ""),
         (&["diagnose", "logs", "logs/b.csv"], "logs/b.csv: given twice; expected different flights"),
         (&["diagnose", "logs/*.igc"], "logs/*.igc: no file matches this pattern"),
-        (&["diagnose", "logs/***"], "logs/***: no pattern of files: "),
+        (&["diagnose", "logs/***"], "logs/***: invalid file pattern: "),
         (
             &["diagnose", "made.csv", "--hold-out", "none.csv"],
             "none.csv: cannot be read: there is no such file",

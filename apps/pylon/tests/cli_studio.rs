@@ -211,7 +211,7 @@ fn a_named_flight_flies_in_the_emulator_with_the_pages_model_and_times() {
     for (query, says) in [
         ("?calibrate=13..4", "ends before it starts"),
         ("?calibrate=--help", "expected START..END"),
-        ("?model=x", "says nothing"),
+        ("?model=x", "not a time option"),
     ] {
         let refused = studio.ask(&format!("POST /api/fly/0{query}"), &[], model);
         assert!(refused.status == 400 && refused.body.contains(says), "{query}: {}", refused.body);

@@ -135,5 +135,5 @@ fn plots_are_drawn_into_a_new_directory_and_stay_small() {
     assert_eq!(files(&path.join("captive")), &names[..2]);
     fs::write(path.join("file"), "").unwrap();
     let line = refusal(path, &["compare", "made.csv", "--plots", "file"]);
-    assert!(line.contains("file: cannot be made a directory"), "{line}");
+    assert!(line.contains("file: cannot create the directory"), "{line}");
 }

@@ -138,7 +138,7 @@ fn a_delay_beyond_nature_is_no_effect_and_the_next_best_is_none_either() {
     assert_eq!(identified(&diagnosis), Vec::<&str>::new());
     assert_eq!(diagnosis.verdict.name(), "unknown_effect");
     let said = text(&diagnosis, false);
-    assert!(said.contains("nature makes"), "{said}");
+    assert!(said.contains("its plausible range is"), "{said}");
 }
 
 fn with_barometer(of: impl Fn(usize, f32) -> f32) -> Flight {

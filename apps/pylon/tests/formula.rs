@@ -218,7 +218,7 @@ fn a_law_of_ones_own_is_found_learned_and_taken_off() {
     .unwrap();
     let said = run(at, &["compare", "friday.csv", "--model", "typo.toml"]);
     let said = String::from_utf8(said.stdout).unwrap() + &String::from_utf8(said.stderr).unwrap();
-    assert!(said.contains("reads flaps, which the flight has no column of (nearest: flap"), "{said}");
+    assert!(said.contains("reads flaps, but the flight has no such column (nearest: flap"), "{said}");
 
     let listed = stdout(at, &["effects", "--model", "ours.toml"]);
     assert!(

@@ -103,7 +103,7 @@ fn a_table_of_pyarrows_is_the_flight_by_a_mapping() {
     assert!(open.contains("'pylon import table.parquet --guess -o mapping.toml' drafts"), "{open}");
     fs::write(path.join("layout.toml"), format!("{MAPPING}[file]\nseparator = \";\"\n")).unwrap();
     let layout = refusal(path, &["import", "table.parquet", "--mapping", "layout.toml", "-o", "x.csv"]);
-    assert!(layout.contains("[file] says how a text is laid out, expected no [file]"), "{layout}");
+    assert!(layout.contains("[file] describes the layout of a text, expected no [file]"), "{layout}");
 }
 
 #[test]

@@ -107,10 +107,10 @@ fn campaign(arguments: &Arguments) -> anyhow::Result<bool> {
     }
     let changes = found.changes_from(&Known::load(file)?);
     for change in &changes {
-        println!("not as in {}: {change}", file.display());
+        println!("differs from {}: {change}", file.display());
     }
     println!(
-        "{} of {} runs break an invariant, all known; it notices when {} of {} guards are taken out",
+        "{} of {} runs break an invariant, all known; the campaign reports the removal of {} of {} guards",
         matrix.violated(),
         cases.len(),
         caught.map_or(0, |caught| caught.len()),
@@ -138,7 +138,7 @@ fn lines(seed: u64, case: &Case, verdict: &Verdict) -> Vec<String> {
 /// The guards whose removal the campaign notices.
 fn mutants(seed: u64, cases: &[Case], verdicts: &[Verdict]) -> anyhow::Result<Vec<Guard>> {
     let mut noticed = Vec::new();
-    println!("| guard taken out | runs | of these report it | first |\n|---|---|---|---|");
+    println!("| removed guard | runs | of these report it | first |\n|---|---|---|---|");
     for guard in Guard::ALL {
         let progress = bar(0, format!("without {guard:?}"))?;
         let Outcome { runs, reports, .. } = without(guard, seed, cases, verdicts, &|| progress.inc(1))?;
@@ -152,7 +152,7 @@ fn mutants(seed: u64, cases: &[Case], verdicts: &[Verdict]) -> anyhow::Result<Ve
         );
         println!("| {guard:?} | {runs} | {} | {first} |", reports.len());
     }
-    println!("\nThe campaign notices when {} of {} guards are taken out", noticed.len(), Guard::ALL.len());
+    println!("\nThe campaign reports the removal of {} of {} guards", noticed.len(), Guard::ALL.len());
     Ok(noticed)
 }
 

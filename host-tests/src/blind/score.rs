@@ -102,8 +102,8 @@ pub fn table(trials: &[Trial]) -> String {
         ("  of those identified outright", score.strongest_identified, ""),
         ("a wrong effect identified, of all trials", score.wrong, "<= 2 %"),
         ("null flights and glitches called quiet", score.null_quiet, ">= 97 %"),
-        ("outside of the catalogue (over twice the noise) called unknown", score.outside_unknown, ">= 80 %"),
-        ("outside of the catalogue, a wrong effect identified", score.outside_wrong, "<= 5 %"),
+        ("outside the catalogue (over twice the noise) called unknown", score.outside_unknown, ">= 80 %"),
+        ("outside the catalogue, a wrong effect identified", score.outside_wrong, "<= 5 %"),
         ("coefficients within 1.96 sigma", score.covered, "90 to 98 %"),
         ("filtered receivers without a wrong effect", score.smoothed_on_gps, ""),
     ] {

@@ -145,7 +145,7 @@ impl Computer {
             );
         }
         let source = if is_crash { ResetSource::Software } else { ResetSource::Supply };
-        let mut sensors = self.run.take().context("a board that stands by for ever")?.computer.sensors;
+        let mut sensors = self.run.take().context("the board stands by for ever")?.computer.sensors;
         if with_chips {
             for chip in [Chip::Baro, Chip::Imu, Chip::Gps] {
                 sensors.inject(ChipFault { chip, fault: Fault::Reset });

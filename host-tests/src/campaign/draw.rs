@@ -73,7 +73,7 @@ fn one(plan: &Plan, random: &mut impl Rng) -> Drawn {
             fault.place = Place::Clock;
             fault.to = from + 1;
             (fault.name, fault.step_us) = if random.random_bool(0.6) {
-                ("clock: leaps on", (10f64.powf(random.random_range(3.5..7.0))) as i64)
+                ("clock: leaps forward", (10f64.powf(random.random_range(3.5..7.0))) as i64)
             } else {
                 ("clock: runs back", -(10f64.powf(random.random_range(3.5..6.0)) as i64))
             };
@@ -209,7 +209,7 @@ fn of_barometer(fault: &mut Drawn, random: &mut impl Rng) {
             fault.to = fault.from + conversions_ticks(quantity, results);
         }
         5 => {
-            fault.name = "baro: off by something";
+            fault.name = "baro: offset";
             lasts(
                 fault,
                 chip,

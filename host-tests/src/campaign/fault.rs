@@ -102,7 +102,7 @@ impl Boundary {
     /// Whether nothing has reported the tick in which the supply fails: messages and records are made by
     /// tasks below the tick, which run after it.
     #[must_use]
-    pub const fn is_before_telling(self) -> bool {
+    pub const fn is_before_reporting(self) -> bool {
         matches!(self, Self::BeforeMark | Self::InMark(_))
     }
 }

@@ -11,7 +11,7 @@ use survival::Start;
 use super::fault::{Drawn, Phase, Place};
 use super::flight::TICKS_PER_S;
 use super::run::{Case, Flown, PUSH_TICKS};
-use super::watch::{REFERENCE, Restarted, Seen, TELLING_TICKS, Watched};
+use super::watch::{REFERENCE, REPORTING_TICKS, Restarted, Seen, Watched};
 
 /// Largest allowed distance of a latched bias from the clean run's, in multiples of its own sigma.
 const BIAS_SIGMAS: f32 = 4.0;
@@ -250,10 +250,11 @@ impl Judge<'_> {
             });
         }
         let restarts = &self.faulty.restarts;
-        for (place, restart) in restarts.iter().enumerate().filter(|(_, restart)| !restart.is_told) {
+        for (place, restart) in restarts.iter().enumerate().filter(|(_, restart)| !restart.is_reported) {
             // If the computer is off again before its text is out, a later restart's number reports it: that
             // counts them all.
-            let is_counted = |later: &Restarted| later.tick <= restart.tick + TELLING_TICKS && later.is_told;
+            let is_counted =
+                |later: &Restarted| later.tick <= restart.tick + REPORTING_TICKS && later.is_reported;
             if restarts.iter().skip(place + 1).any(is_counted) {
                 continue;
             }
@@ -568,7 +569,7 @@ impl Judge<'_> {
                 self.broken(
                     invariant,
                     format!(
-                        "{name} brings nothing for {:.2} s; the fault takes {:.2} s from {:.3} s on",
+                        "{name} delivers nothing for {:.2} s; the fault lasts {:.2} s from {:.3} s on",
                         seconds(gap),
                         seconds(to - from),
                         seconds(from)
@@ -586,7 +587,7 @@ impl Judge<'_> {
                 let invariant = if for_good { Invariant::Permanent } else { Invariant::Transient };
                 self.broken(
                     invariant,
-                    format!("{} is not monitored for {:.2} s more", sensor.name(), seconds(extra)),
+                    format!("{} is unmonitored for {:.2} s longer", sensor.name(), seconds(extra)),
                 );
             }
         }

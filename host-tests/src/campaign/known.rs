@@ -68,8 +68,8 @@ impl Known {
     /// The file cannot be written.
     pub fn save(&self, file: &Path) -> anyhow::Result<()> {
         let text = format!(
-            "# What the fault campaign of the test command is known to break (docs/fault-campaign.md explains the classes). The test fails\n\
-             # for anything else, and for a line of this list that is not true any more. Written by\n\
+            "# Invariants that the fault campaign of the test command is known to break (docs/fault-campaign.md explains the classes). The test fails\n\
+             # for anything else, and for a line of this list that is no longer true. Written by\n\
              # cargo xtask campaign --mutants --known --accept.\n{}",
             toml::to_string(self)?
         );
@@ -85,7 +85,7 @@ impl Known {
         }
         for guard in &self.unnoticed_guards {
             if !list.unnoticed_guards.contains(guard) {
-                changes.push(format!("nothing reports {guard} when it is taken out"));
+                changes.push(format!("nothing reports the removal of {guard}"));
             }
         }
         for (run, names) in &self.violations {
@@ -95,7 +95,7 @@ impl Known {
         }
         for (run, names) in &list.violations {
             for name in names.iter().filter(|name| !self.names(run).contains(name)) {
-                changes.push(format!("run {run}: {name} does not happen any more: take it off the list"));
+                changes.push(format!("run {run}: {name} no longer happens: remove it from the list"));
             }
         }
         changes
@@ -128,9 +128,9 @@ mod tests {
         assert_eq!(
             now.changes_from(&known),
             [
-                "nothing reports InnovationGate when it is taken out",
+                "nothing reports the removal of InnovationGate",
                 "run 0003: panic",
-                "run 0007: false launch does not happen any more: take it off the list",
+                "run 0007: false launch no longer happens: remove it from the list",
             ]
         );
         let text = toml::to_string(&known).unwrap();

@@ -27,7 +27,7 @@ pub struct Outcome {
 fn concerns(guard: Guard, fault: &Drawn) -> bool {
     let is_captive = fault.phase <= Phase::BeforeLaunch;
     let is_named = |words: &[&str]| words.iter().any(|word| fault.name.contains(word));
-    let lies = is_named(&["data bits", "spike", "single fixes", "off by", "jumps", "lies", "noise"]);
+    let lies = is_named(&["data bits", "spike", "single fixes", "offset", "jumps", "lies", "noise"]);
     match guard {
         Guard::InnovationGate | Guard::RobustSigma => is_captive && lies,
         Guard::PlausibleReading => lies,

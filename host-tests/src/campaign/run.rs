@@ -133,7 +133,7 @@ impl Case {
                 watched.panic = Some(said.unwrap_or_default());
             }
         }
-        watched.end_telling();
+        watched.end_reporting();
         Ok(watched)
     }
 
@@ -206,7 +206,7 @@ impl Case {
                 continue;
             };
             let operations = computer.work.take();
-            if dip.is_some_and(|dip| dip.boundary.is_before_telling()) {
+            if dip.is_some_and(|dip| dip.boundary.is_before_reporting()) {
                 watched.take_nothing(false);
             } else if let Some(mission) = computer.mission() {
                 watched.take(&step, mission.latch(), mission.counters(), row.altitude_m, operations);

@@ -15,7 +15,7 @@ pub const REFERENCE: usize = SENSORS;
 /// Window over which a sensor's true error is smoothed, seconds: the monitor's.
 const SMOOTH_S: f32 = 2.0;
 /// Ticks after a restart within which it must be reported: a second.
-pub const TELLING_TICKS: usize = 200;
+pub const REPORTING_TICKS: usize = 200;
 
 /// Observations at one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ pub struct Restarted {
     /// The flight computer's own report.
     pub report: Option<RestartReport>,
     /// Whether the telemetry reported it.
-    pub is_told: bool,
+    pub is_reported: bool,
 }
 
 /// Observations of a flight.
@@ -92,12 +92,12 @@ impl Watched {
 
     /// Notes a start.
     pub fn take_restart(&mut self, report: Option<RestartReport>) {
-        self.end_telling();
+        self.end_reporting();
         let tick = self.ticks.len();
         // Standby has a message of its own, once a second, which `telemetry`'s tests check.
-        let is_told = report.is_some_and(|report| report.start == Start::Standby || report.pause_us > 0);
-        self.restarts.push(Restarted { tick, report, is_told });
-        self.telling = report.filter(|_| !is_told).map(|report| (report, Vec::new()));
+        let is_reported = report.is_some_and(|report| report.start == Start::Standby || report.pause_us > 0);
+        self.restarts.push(Restarted { tick, report, is_reported });
+        self.telling = report.filter(|_| !is_reported).map(|report| (report, Vec::new()));
     }
 
     /// Notes a tick.
@@ -151,17 +151,17 @@ impl Watched {
         self.ticks.push(Some(Seen { trust, fresh, true_error_m, error_m, average_m }));
         if let Some((_, steps)) = &mut self.telling {
             steps.push((step.clone(), *counters));
-            if steps.len() >= TELLING_TICKS {
-                self.end_telling();
+            if steps.len() >= REPORTING_TICKS {
+                self.end_reporting();
             }
         }
     }
 
     /// Checks whether the last restart was reported.
-    pub fn end_telling(&mut self) {
+    pub fn end_reporting(&mut self) {
         if let (Some((report, steps)), Some(last)) = (self.telling.take(), self.restarts.last_mut()) {
             // A flight computer that is off again before its first tick had no time to report anything.
-            last.is_told = steps.is_empty() || is_told(&report, &steps, self.latch.as_ref());
+            last.is_reported = steps.is_empty() || is_reported(&report, &steps, self.latch.as_ref());
         }
     }
 
@@ -216,7 +216,7 @@ fn not_finite(output: &TickOutput) -> Option<&'static str> {
 }
 
 /// Whether the telemetry of these ticks reports a start.
-fn is_told(report: &RestartReport, steps: &[(Step, Counters)], latch: Option<&LatchRecord>) -> bool {
+fn is_reported(report: &RestartReport, steps: &[(Step, Counters)], latch: Option<&LatchRecord>) -> bool {
     let mut queue = FrameQueue::new();
     let (frames, mut line) = queue.split();
     let mut telemetry = Telemetry::new(Link::new(frames), Rates::FULL, &[]);

@@ -78,14 +78,14 @@ pub fn table(trials: &[Trial]) -> String {
     for (what, share, wanted) in [
         ("a law that predicts the hidden one is among the five", score.among, ">= 80 %"),
         ("it is the first", score.first, ">= 60 %"),
-        ("nothing is proposed of a hidden law", score.silent, ""),
+        ("nothing is proposed for a hidden law", score.silent, ""),
         ("  of these, the catalogue explains some of it", score.by_catalogue, ""),
-        ("null flights of which a law is proposed", score.null_proposed, "<= 2 %"),
+        ("null flights for which a law is proposed", score.null_proposed, "<= 2 %"),
         ("a first law makes the next flight worse, of all trials", score.worse, "<= 3 %"),
     ] {
         text += &share.line(what, 56, wanted);
     }
-    text += "\nby what was hidden: among the five, first\n";
+    text += "\nby hidden law: among the five, first\n";
     for (kind, [among, first]) in &score.kinds {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "  {kind:<32} {:>3} and {:>3} of {}", among.hits, first.hits, among.of);

@@ -115,7 +115,7 @@ fn predicted(law: &FoundLaw, flight: &Flight) -> anyhow::Result<Vec<f64>> {
         .enumerate()
         .map(|(number, said)| {
             let column =
-                flight.extra.iter().find(|(name, _)| name == said.name()).context("a column is gone")?;
+                flight.extra.iter().find(|(name, _)| name == said.name()).context("a column is missing")?;
             anyhow::Ok((Signal::column_place(number as u8), said, &column.1))
         })
         .collect::<anyhow::Result<_>>()?;

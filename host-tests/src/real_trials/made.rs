@@ -46,8 +46,8 @@ impl Track {
         let replay = Replay::to_diagnose(flight, &Model::default(), None)?;
         let (start_s, end_s) = replay.extent().used_s;
         let is_used = |time_s: &f64| (start_s..=end_s).contains(time_s);
-        let first = flight.time_s.iter().position(is_used).context("nothing is used")?;
-        let last = flight.time_s.iter().rposition(is_used).context("nothing is used")?;
+        let first = flight.time_s.iter().position(is_used).context("no row is used")?;
+        let last = flight.time_s.iter().rposition(is_used).context("no row is used")?;
         let (baro, gps) = (flight.channel(Channel::BaroAltM), flight.channel(Channel::GpsAltM));
         let (baro, gps) = (baro.context("no barometer")?, gps.context("no receiver")?);
         let times_s = &flight.time_s;
@@ -59,7 +59,7 @@ impl Track {
             bail!("{} rows with both altitudes", both.len());
         }
         if times_s.windows(2).any(|pair| pair[1] <= pair[0]) {
-            bail!("its time runs backward");
+            bail!("its time runs backwards");
         }
         let all: Vec<(f64, f64)> =
             baro.samples().map(|(row, metres)| (times_s[row], f64::from(metres))).collect();
@@ -70,7 +70,7 @@ impl Track {
             bail!("its barometer is stuck");
         }
         if slow_m > LARGEST_SLOW_M {
-            bail!("barometer and receiver are {slow_m:.0} m apart, which is no noise");
+            bail!("barometer and receiver are {slow_m:.0} m apart: too far for noise");
         }
         let is_whole = both.iter().all(|(_, baro_m, gps_m)| baro_m.fract() == 0.0 && gps_m.fract() == 0.0);
         let airspeed_mps = airspeed(flight, first..last + 1).unwrap_or_default();

@@ -121,7 +121,7 @@ pub fn table(outcomes: &[Outcome]) -> String {
             score.halves_agree,
             ">= 85 %",
         ),
-        ("coefficients of what was injected and named within 1.96 sigma", score.covered, "92 to 98 %"),
+        ("coefficients of the named injections within 1.96 sigma", score.covered, "92 to 98 %"),
     ] {
         text += &share.line(what, 70, wanted);
     }

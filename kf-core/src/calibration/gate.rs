@@ -135,7 +135,7 @@ impl SourceGate {
         } else {
             self.misfits = self.misfits.saturating_add(self.taken);
         }
-        self.believe_anew();
+        self.reset_estimate();
         Outcome::Overturned
     }
 
@@ -154,15 +154,15 @@ impl SourceGate {
 
     /// Discards what is known of the source, including the spread of its innovations: they referred to what
     /// is now void.
-    pub(super) fn believe_anew(&mut self) {
+    pub(super) fn reset_estimate(&mut self) {
         (self.taken, self.run, self.spread) = (0, 0, 1.0);
     }
 
     /// The source was lost: what was known of it is void. The outliers since then still count; otherwise a
     /// source that has come back on another level would be refused for ever.
-    pub(super) fn begin_anew(&mut self) {
+    pub(super) fn restart(&mut self) {
         if self.taken > 0 {
-            self.believe_anew();
+            self.reset_estimate();
         }
     }
 

@@ -43,7 +43,7 @@ impl ReferenceLevel {
     }
 
     /// Makes the next fix the level. Jumps seen so far are kept.
-    pub(super) const fn begin_anew(&mut self) {
+    pub(super) const fn restart(&mut self) {
         self.before_m = f32::NAN;
     }
 

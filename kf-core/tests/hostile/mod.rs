@@ -287,7 +287,7 @@ impl Before {
 
 /// Result of a hostile run.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Came {
+pub struct Outcome {
     /// Missions started.
     pub missions: u64,
     /// Calibrations latched.
@@ -300,10 +300,10 @@ pub struct Came {
 
 /// Flies missions on hostile input, for so many ticks in total. In every other one, launch and the altitude
 /// of the UAV's inertial unit are computed from the same bits.
-pub fn fly(seed: u64, ticks: u64) -> Came {
+pub fn fly(seed: u64, ticks: u64) -> Outcome {
     let config = config();
     let mut random = Random(seed);
-    let (mut flown, mut came) = (0, Came::default());
+    let (mut flown, mut came) = (0, Outcome::default());
     while flown < ticks {
         came.missions += 1;
         let mut before = random.one_in(2).then(Before::new);

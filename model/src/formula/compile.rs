@@ -138,8 +138,9 @@ impl Formula {
     pub fn check_unit(&self, unit: &str) -> Result<(), FormulaError> {
         let whole = 0..self.text.len();
         let Some(given) = Dimension::of_unit(unit) else {
-            let message =
-                format!("unit '{unit}' is none: expected a product of m, s, K, Pa, rad and 1, such as s^2/m");
+            let message = format!(
+                "unit '{unit}' is not valid: expected a product of m, s, K, Pa, rad and 1, such as s^2/m"
+            );
             return Err(FormulaError::new(&self.text, whole, message));
         };
         let (own, wanted) = (self.dimension, self.coefficient_unit());
@@ -345,7 +346,7 @@ impl Compiler<'_> {
                 if of_right.constant == Some(0.0) {
                     return Err(self.error(
                         span,
-                        "a division by zero, always: expected a divisor that can be another number",
+                        "always a division by zero: expected a divisor that can be another number",
                     ));
                 }
                 self.ops.push(Op::Divide);

@@ -51,9 +51,9 @@ functions! {
     DoubleIntegral = "integral2", 1, "integral of the integral from launch on; 0 before";
     LowPass = "lowpass", 2, "lowpass(x, tau): first-order low pass with the time constant tau, seconds";
     Delay = "delay", 2, "delay(x, s): x as it was s seconds ago, 60 at most, from 16 samples over that time";
-    Captive = "captive", 1, "mean over the calibration in captive flight; after launch it stays";
+    Captive = "captive", 1, "mean over the calibration in captive flight; constant after launch";
     AtCalibration = "at_calibration", 1, "the value at the calibration's first sample";
-    AtLaunch = "at_launch", 1, "the value itself before launch, after it as it was at launch";
+    AtLaunch = "at_launch", 1, "the value itself before launch, after launch its value at launch";
     IsaAltitude = "isa_altitude", 1, "pressure altitude (m) of a pressure (Pa), ICAO standard atmosphere";
     IsaPressure = "isa_pressure", 1, "pressure (Pa) at an altitude (m), ICAO standard atmosphere";
     IsaTemperature = "isa_temperature", 1, "temperature (K) at an altitude (m), ICAO standard atmosphere";

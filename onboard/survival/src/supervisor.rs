@@ -17,13 +17,13 @@ pub enum Supervised {
     /// The task that sends the telemetry.
     Transmit = 4,
     /// The task that makes the telemetry.
-    Tell = 5,
+    Telemetry = 5,
 }
 
 impl Supervised {
     /// All supervised activities.
     pub const ALL: [Self; 6] =
-        [Self::Tick, Self::Feed, Self::Report, Self::Stack, Self::Transmit, Self::Tell];
+        [Self::Tick, Self::Feed, Self::Report, Self::Stack, Self::Transmit, Self::Telemetry];
 
     /// The name used in logs.
     #[must_use]
@@ -34,7 +34,7 @@ impl Supervised {
             Self::Report => "report",
             Self::Stack => "stack",
             Self::Transmit => "transmit",
-            Self::Tell => "tell",
+            Self::Telemetry => "tell",
         }
     }
 

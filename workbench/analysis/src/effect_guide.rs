@@ -21,16 +21,16 @@ pub fn explanation(effect: EffectId) -> Option<Explanation> {
     use EffectId as Id;
     let texts = match effect {
         Id::BaroDynamicPressure => (
-            "The static port reads a part of the dynamic pressure.",
+            "The static port reads part of the dynamic pressure.",
             "V^2/(2g)",
             "Bernoulli: -1 where the flow stagnates, +1 on a strongly curved skin; good ports are within 0.1 (NASA RP-1046)",
-            "The altitude steps with every change of speed, at once, and back with it.",
+            "The altitude steps at once with every change of speed, and steps back with it.",
         ),
         Id::BaroCarrierField => (
-            "The mother ship's pressure field was in the calibration, and is gone at release.",
+            "The mother ship's pressure field was part of the calibration, and is gone at release.",
             "V^2/(2g) at launch; 0 before it",
             "as for baro.dynamic_pressure",
-            "One step at launch, which stays.",
+            "One lasting step at launch.",
         ),
         Id::BaroAngleOfAttack => (
             "The port's pressure coefficient changes with the angle of attack.",
@@ -51,10 +51,10 @@ pub fn explanation(effect: EffectId) -> Option<Explanation> {
             "Too low in climbs and too high in descents, by the lag times the climb rate; nothing in level flight.",
         ),
         Id::BaroScale => (
-            "A metre of the barometer is not a metre: its scale factor, or air that is not the standard one.",
+            "A barometric metre is not a true metre: its scale factor, or non-standard air.",
             "h - h0",
             "40 K off the standard's 288 K make 14 % (MIL-HDBK-310's extremes)",
-            "An error in proportion to the height above where it was calibrated, the same going up and coming down.",
+            "An error in proportion to the height above where it was calibrated, the same climbing and descending.",
         ),
         Id::BaroTemperature => (
             "The reading changes with the sensor's own temperature.",
@@ -102,19 +102,19 @@ pub fn explanation(effect: EffectId) -> Option<Explanation> {
             "The vertical accelerometer has a scale error.",
             "double integral of (upward specific force - g)",
             "data sheets' sensitivity error is 0.5 %; ten times that is a broken part",
-            "An error that grows in vertical manoeuvres and runs on after them.",
+            "An error that grows in vertical manoeuvres and continues after them.",
         ),
         Id::ImuTilt => (
             "The attitude is off in pitch, and turns forward acceleration into the vertical.",
             "double integral of the forward horizontal acceleration",
-            "beyond 0.2 rad nothing that is linear in it holds",
+            "beyond 0.2 rad nothing linear in it holds",
             "An error that grows while the aircraft speeds up or slows down.",
         ),
         Id::ImuGyroBias => (
-            "The pitch error grows with time, as a gyro's bias makes it.",
+            "The pitch error grows with time, as from a gyro's bias.",
             "double integral of the forward horizontal acceleration times t",
             "data sheets' zero-rate offset is 0.5 degrees a second, 0.009 rad/s",
-            "As imu.tilt, the later the more.",
+            "As imu.tilt, increasing with time.",
         ),
         Id::ImuVibration => (
             "Vibration is rectified into a bias.",
@@ -123,15 +123,15 @@ pub fn explanation(effect: EffectId) -> Option<Explanation> {
             "An error that grows while the motor runs rough.",
         ),
         Id::ImuGravityGradient => (
-            "Gravity falls with height, and the navigator does not know it.",
+            "Gravity falls with height, and the navigator ignores it.",
             "double integral of 3.086e-6 (h - h0)",
-            "1 by theory (Torge, Geodesy, 3.3), 0 where the navigator has it already",
+            "1 by theory (Torge, Geodesy, 3.3), 0 where the navigator already accounts for it",
             "Metres in minutes, some kilometres above the launch.",
         ),
         Id::ImuEotvos => (
-            "Motion over a turning, round earth changes the weight, and the navigator does not know it.",
+            "Motion over a rotating, round earth changes the weight, and the navigator ignores it.",
             "double integral of (2 Omega v_E cos(latitude) + v^2/R)",
-            "1 by theory (Torge), 0 where the navigator has it already",
+            "1 by theory (Torge), 0 where the navigator already accounts for it",
             "An error that is greater eastward than westward, at high speed.",
         ),
         Id::GpsLatency => (

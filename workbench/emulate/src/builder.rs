@@ -203,7 +203,7 @@ pub fn build(program: Program, model: &Model, planted: Option<PlantedError>) -> 
     if !output.status.success() {
         let messages = String::from_utf8_lossy(&output.stderr);
         let first_error = messages.lines().find(|line| line.trim_start().starts_with("error"));
-        let first_error = first_error.unwrap_or("cargo said nothing").trim().to_owned();
+        let first_error = first_error.unwrap_or("cargo printed nothing").trim().to_owned();
         return Err(FlyError::Build { first_error });
     }
 

@@ -291,7 +291,7 @@ fn failure(stderr: &str) -> FlyError {
 fn telling_line(stderr: &str) -> &str {
     let lines = || stderr.lines().map(str::trim).filter(|line| !line.is_empty());
     let telling = |line: &&str| line.starts_with("Error") || line.contains("Failed **") || *line == HALTED;
-    lines().find(telling).or_else(|| lines().next_back()).unwrap_or("it said nothing")
+    lines().find(telling).or_else(|| lines().next_back()).unwrap_or("it printed nothing")
 }
 
 #[cfg(test)]
@@ -337,7 +337,7 @@ mod tests {
         assert_eq!(telling_line("Info : a\n** Verify Failed **\nshutdown\n"), "** Verify Failed **");
         assert_eq!(telling_line(&format!("Info : a\n{HALTED}\nshutdown command invoked\n")), HALTED);
         assert_eq!(telling_line("Info : a\nb\n\n"), "b");
-        assert_eq!(telling_line(""), "it said nothing");
+        assert_eq!(telling_line(""), "it printed nothing");
     }
 
     #[test]

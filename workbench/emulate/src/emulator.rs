@@ -63,7 +63,7 @@ pub fn emulate(
             // Nothing else would wait for it.
             let _ = qemu.kill().and_then(|()| qemu.wait());
             return Err(FlyError::Io {
-                what: "a thread that reads what qemu-system-arm says".to_owned(),
+                what: "a thread that reads the output of qemu-system-arm".to_owned(),
                 source,
             });
         }

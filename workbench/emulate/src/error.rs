@@ -35,7 +35,7 @@ pub enum FlyError {
     /// OpenOCD found no debug probe.
     #[error(
         "openocd finds no debug probe ({said}): is it plugged in, by a cable that carries data? is the probe's configuration \
-         (`--probe-config`) that of its kind? on Linux: may this user open it (OpenOCD's udev rules, 60-openocd.rules)?"
+         (`--probe-config`) the right one? on Linux: may this user open it (OpenOCD's udev rules, 60-openocd.rules)?"
     )]
     NoProbe {
         /// The most informative line of OpenOCD's output.
@@ -131,7 +131,7 @@ pub enum FlyError {
     Mission(#[from] ReplayError),
     /// A gap of more than an hour, or a time near the end of the clock.
     #[error(
-        "the flight has a gap of {gap_s:.0} s after {after_s:.3} s: it cannot be flown on chips, tick by tick, but with ideal \
+        "the flight has a gap of {gap_s:.0} s after {after_s:.3} s: it cannot be flown tick by tick on chips, only with ideal \
          sensors"
     )]
     Gap {
@@ -212,7 +212,7 @@ pub enum ResultsError {
     #[error("a frame is out of place")]
     Misplaced(Kind),
     /// More ticks than inputs.
-    #[error("there are more than inputs")]
+    #[error("there are more results than inputs")]
     MoreThanInputs,
     /// The summary at the end is missing.
     #[error("they have no summary")]
@@ -226,7 +226,7 @@ fn frame_words(error: &FrameError) -> String {
         FrameError::Stuffing => "a frame's byte stuffing is broken".to_owned(),
         FrameError::Check => "a frame's checksum is wrong".to_owned(),
         FrameError::Kind(kind) => format!("a frame is of the unknown kind {kind}"),
-        FrameError::Repeated => "a frame is there twice".to_owned(),
+        FrameError::Repeated => "a frame appears twice".to_owned(),
     }
 }
 

@@ -54,7 +54,7 @@ pub enum FaultError {
         expected: &'static str,
     },
     /// Two faults of one chip at a time.
-    #[error("two faults of {0} at the same time: give them times apart")]
+    #[error("two faults of {0} at the same time: give them separate times")]
     Overlap(&'static str),
     /// No tick of the flight is within it.
     #[error("fault at {at_s} s, and the flight goes from {first_s:.3} s to {last_s:.3} s")]
@@ -111,7 +111,7 @@ impl FromStr for PlannedFault {
             return Err(FaultError::Impossible { chip: chip_name, fault: name.to_owned(), can });
         }
         let expected = if fault.is_once() {
-            "START in seconds, such as 60: it is there once"
+            "START in seconds, such as 60: it happens once"
         } else {
             "START..END in seconds, such as 60..65"
         };
@@ -266,9 +266,9 @@ mod tests {
             ("baro flip-bits=0 1", "fault 'flip-bits=0'"),
             ("baro stuck-low 5", "expected START..END"),
             ("baro stuck-low 5..5", "expected START..END"),
-            ("baro reset 5..6", "it is there once"),
-            ("baro reset -1", "it is there once"),
-            ("baro reset nan", "it is there once"),
+            ("baro reset 5..6", "it happens once"),
+            ("baro reset -1", "it happens once"),
+            ("baro reset nan", "it happens once"),
         ] {
             let error = parse(text).unwrap_err().to_string();
             assert!(error.contains(said), "{text}: {error}");

@@ -283,7 +283,7 @@ fn compare(
             let chips = (options.sensors == SensorSource::Chips).then(|| ChipsReport {
                 grid: GridReport::default(),
                 truth: computer.sensors.recorded.counts(),
-                untold_fixes: computer.sensors.recorded.untold_solutions(),
+                untold_fixes: computer.sensors.recorded.unsent_solutions(),
                 agreement: None,
                 consequence: None,
             });

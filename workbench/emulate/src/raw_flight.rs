@@ -61,7 +61,7 @@ fn fly_raw(
     let directory = tempfile::tempdir().map_err(FlyError::io("temporary directory"))?;
     fs::write(directory.path().join(name(INPUT_FILE)?), record).map_err(FlyError::io("the flight record"))?;
     let blows: Vec<u8> = strikes.iter().flat_map(|strike| strike.to_bytes()).collect();
-    fs::write(directory.path().join(name(STRIKES_FILE)?), blows).map_err(FlyError::io("the blows"))?;
+    fs::write(directory.path().join(name(STRIKES_FILE)?), blows).map_err(FlyError::io("the strikes"))?;
     let ticks = u32::try_from(record.len() / 16).unwrap_or(u32::MAX);
     let mut run = emulated(&image, directory.path(), ticks, Some(TELEMETRY_FILE))?;
     let telemetry = fs::read(directory.path().join(TELEMETRY_FILE)).map_err(FlyError::io("the telemetry"))?;

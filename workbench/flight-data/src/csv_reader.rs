@@ -42,7 +42,7 @@ pub fn parse_with(text: &[u8], executor: &dyn Executor) -> Result<(Flight, Vec<N
     }
     if !matches!(text.last(), Some(b'\n' | b'\r')) {
         notes.push(Note::new(
-            "the last row has no line end: should the file be cut there, its last cell may lack digits",
+            "the last row has no line end: if the file is cut off there, its last cell may lack digits",
         ));
     }
     let mut flight = Flight { header, time_s, ..Flight::default() };

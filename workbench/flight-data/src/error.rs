@@ -203,7 +203,7 @@ pub enum FlightError {
         found: f64,
     },
     /// A name or header text that would read back as something else.
-    #[error("{what} '{text}' cannot stand in a flight's header: {reason}")]
+    #[error("{what} '{text}' cannot be in a flight's header: {reason}")]
     Text {
         /// What kind of text it is.
         what: &'static str,

@@ -79,12 +79,12 @@ impl Fault {
     pub fn sentence(self) -> String {
         match self {
             Self::Stuck => {
-                "the barometer is stuck: it says the same for the whole flight while the receiver climbs"
+                "the barometer is stuck: it repeats one value for the whole flight while the receiver climbs"
                     .to_owned()
             }
-            Self::Copied { apart_m } => format!(
-                "no barometer: what stands in its place is the receiver's altitude, {apart_m:+.0} m, copied"
-            ),
+            Self::Copied { apart_m } => {
+                format!("no barometer: its column is a copy of the receiver's altitude, {apart_m:+.0} m")
+            }
         }
     }
 }
@@ -92,7 +92,7 @@ impl Fault {
 /// The note on a faulty barometer, if there is one.
 #[must_use]
 pub fn note(flight: &Flight) -> Option<Note> {
-    check(flight).map(|fault| Note::new(format!("{}; nothing that is said of baro holds", fault.sentence())))
+    check(flight).map(|fault| Note::new(format!("{}; no result for baro is valid", fault.sentence())))
 }
 
 #[cfg(test)]

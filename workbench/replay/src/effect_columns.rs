@@ -55,7 +55,7 @@ pub fn column_notes(flight: &Flight, model: &Model) -> Vec<String> {
             ranked.sort_by(|(left, _), (right, _)| right.total_cmp(left));
             let nearest: Vec<&str> = ranked.into_iter().take(3).map(|(_, name)| name).collect();
             notes.push(format!(
-                "a formula of the model reads {}, which the flight has no column of (nearest: {}): its effect is left out",
+                "a formula of the model reads {}, but the flight has no such column (nearest: {}): its effect is left out",
                 said.name(),
                 nearest.join(", ")
             ));
@@ -146,7 +146,7 @@ mod tests {
         let said = column_notes(&flown, &model);
         assert!(matches!(&said[..], [one] if one.starts_with("flap counts as a plain number")), "{said:?}");
         let said = column_notes(&flight(",flaps,gear", ",5,7"), &model);
-        let words = "a formula of the model reads flap, which the flight has no column of (nearest: flaps, ";
+        let words = "a formula of the model reads flap, but the flight has no such column (nearest: flaps, ";
         assert!(matches!(&said[..], [one] if one.starts_with(words)), "{said:?}");
         assert_eq!(column_notes(&flown, &Model::default()), [""; 0]);
     }

@@ -54,8 +54,8 @@ pub enum ReplayError {
     },
     /// The flight does not record its launch and is shorter than any calibration.
     #[error(
-        "too short to be used: {found_s:.0} s of flight, expected at least {wanted_s:.0} s, which calibrating the sensors' \
-         biases takes"
+        "too short to be used: {found_s:.0} s of flight, expected at least {wanted_s:.0} s, to calibrate the sensors' \
+         biases"
     )]
     TooShort {
         /// Its length, seconds.
@@ -74,7 +74,7 @@ pub enum ReplayError {
 fn hint(found: Option<&Calmest>) -> String {
     found.map_or_else(String::new, |Calmest { window, altitude_range_m, speed_range_mps }| {
         format!(
-            " (the calmest is {window}, where altitude goes over {altitude_range_m:.1} m and speed over \
+            " (the calmest is {window}, where altitude varies by {altitude_range_m:.1} m and speed by \
              {speed_range_mps:.1} m/s)"
         )
     })

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::ReplayError;
 use super::given::{GivenAirborne, GivenTimes};
 use super::window::WindowError;
-use crate::airborne::{self, AirborneInterval, Outings};
+use crate::airborne::{self, AirborneInterval, AirborneIntervals};
 use flight_data::Flight;
 
 /// Shortest unused part that is reported, seconds: less is a block of a second or two at either end.
@@ -179,7 +179,7 @@ impl Extent {
             "{} flights in this log: number {} is used, {}",
             self.airborne.len(),
             chosen + 1,
-            if self.is_longest(chosen) { "the longest" } else { "the one that the given times are of" }
+            if self.is_longest(chosen) { "the longest" } else { "the one that contains the given times" }
         ))
     }
 
@@ -190,7 +190,7 @@ impl Extent {
 }
 
 /// Inserts the user's time in the air in place of those that overlap it; returns its index.
-fn put(found: &mut Outings, given: GivenAirborne, log_s: (f64, f64)) -> (usize, AirborneInterval) {
+fn put(found: &mut AirborneIntervals, given: GivenAirborne, log_s: (f64, f64)) -> (usize, AirborneInterval) {
     let (from_s, to_s) = (given.take_off_s.unwrap_or(log_s.0), given.landing_s.unwrap_or(log_s.1));
     found.airborne.retain(|other| other.to_s <= from_s || other.from_s >= to_s);
     let place = found.airborne.partition_point(|other| other.to_s <= from_s);
@@ -276,7 +276,7 @@ mod tests {
         assert_eq!(log(2, 1).several().unwrap(), "2 flights in this log: number 2 is used, the longest");
         assert_eq!(
             log(3, 2).several().unwrap(),
-            "3 flights in this log: number 3 is used, the one that the given times are of"
+            "3 flights in this log: number 3 is used, the one that contains the given times"
         );
     }
 
@@ -289,7 +289,7 @@ mod tests {
     /// A given flight replaces those that it overlaps, and none that it only touches.
     #[test]
     fn a_given_flight_is_put_among_those_that_were_found() {
-        let mut found = Outings { airborne: log(3, 0).airborne, ..Outings::default() };
+        let mut found = AirborneIntervals { airborne: log(3, 0).airborne, ..AirborneIntervals::default() };
         let given = GivenAirborne { take_off_s: Some(200.0), landing_s: Some(700.0) };
         let (place, interval) = put(&mut found, given, (0.0, 1_000.0));
         assert_eq!((place, interval.ground_from_s), (1, Some(200.0)));
@@ -301,8 +301,8 @@ mod tests {
     /// the air.
     #[test]
     fn a_moment_belongs_to_the_next_landing() {
-        let mut found = Outings { airborne: log(2, 0).airborne, ..Outings::default() };
-        let place = |found: &Outings, time_s| found.around(time_s).map(|(place, _)| place);
+        let mut found = AirborneIntervals { airborne: log(2, 0).airborne, ..AirborneIntervals::default() };
+        let place = |found: &AirborneIntervals, time_s| found.around(time_s).map(|(place, _)| place);
         let times = [0.0, 150.0, 200.0, 250.0, 600.0];
         assert_eq!(times.map(|time_s| place(&found, time_s)), [Some(0), Some(0), Some(1), Some(1), None]);
         found.airborne[1].landing_s = None;

@@ -57,8 +57,8 @@ pub enum AirborneError {
     },
     /// The flight's own column records its launch.
     #[error(
-        "time in the air {0}: this flight's launch column says when it was launched, and all of it is used; take-off and \
-         landing are for a log without one"
+        "time in the air {0}: this flight's launch column records its launch, and all of the flight is used; give take-off \
+         and landing only for a log without that column"
     )]
     HasLaunch(GivenAirborne),
 }

@@ -78,7 +78,7 @@ impl CalibrationSource {
 impl fmt::Display for CalibrationSource {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::LaunchColumn => write!(formatter, "captive flight until the launch column says 1"),
+            Self::LaunchColumn => write!(formatter, "captive flight until the launch column is 1"),
             Self::Given(window) => {
                 write!(formatter, "calibrated on {window} of the flight's own clock, as given")
             }
@@ -87,13 +87,13 @@ impl fmt::Display for CalibrationSource {
                 window: CalibrationWindow { start_s, end_s }, altitude_range_m, ..
             }) => write!(
                 formatter,
-                "calibrated on the calmest stretch, as none is quiet, {start_s:.1}..{end_s:.1} s (altitude over \
+                "calibrated on the calmest stretch, as none is quiet, {start_s:.1}..{end_s:.1} s (altitude varies by \
                  {altitude_range_m:.0} m); --calibrate START..END chooses another"
             ),
             Self::Uncalibrated(_) => {
                 write!(
                     formatter,
-                    "not calibrated: the biases are estimated beside everything else, on all of the flight"
+                    "not calibrated: the biases are estimated with everything else, on all of the flight"
                 )
             }
         }

@@ -399,7 +399,8 @@ mod tests {
         let told = |rows: u16| {
             find_default(&flight((0..rows).map(|_| (500.0, 0.0)))).map_err(|error| error.to_string())
         };
-        let words = "too short to be used: 29 s of flight, expected at least 30 s, which calibrating the sensors' biases takes";
+        let words =
+            "too short to be used: 29 s of flight, expected at least 30 s, to calibrate the sensors' biases";
         assert_eq!(told(30).unwrap_err(), words);
         assert!(told(32).is_ok());
     }

@@ -40,7 +40,7 @@ impl Usage {
             remarks.push("take-off and landing are those given, not those found in the log".to_owned());
         }
         if let (CalibrationSource::Calmest(_), Some(_)) = (replay.source(), interval) {
-            remarks.push("nowhere quiet: what the calibration is worth is said by its checks".to_owned());
+            remarks.push("no quiet stretch: the calibration's checks show its quality".to_owned());
         }
         remarks.extend(replay.wild().iter().map(WildCells::sentence));
         Self {

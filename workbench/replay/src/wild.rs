@@ -112,10 +112,10 @@ impl WildCells {
         let Self { channel, count, first_s, first_value } = self;
         let name = channel.name();
         if *count == 1 {
-            format!("{name} is {first_value} at {first_s:.1} s, which no aircraft does; left out")
+            format!("{name} is {first_value} at {first_s:.1} s, which is implausible; left out")
         } else {
             format!(
-                "{count} cells of {name} are what no aircraft does ({first_value} at {first_s:.1} s is the first); left out"
+                "{count} cells of {name} are implausible ({first_value} at {first_s:.1} s is the first); left out"
             )
         }
     }
@@ -363,12 +363,12 @@ mod tests {
         let mut cells = vec![20.0_f32; 1_000];
         cells[250] = 300.0;
         let (_, wild) = tamed(&flight(Channel::TasMps, STEP_S, &cells));
-        assert_eq!(wild[0].sentence(), "tas_mps is 300 at 10.0 s, which no aircraft does; left out");
+        assert_eq!(wild[0].sentence(), "tas_mps is 300 at 10.0 s, which is implausible; left out");
         cells[251] = 400.0;
         let (_, wild) = tamed(&flight(Channel::TasMps, STEP_S, &cells));
         assert_eq!(
             wild[0].sentence(),
-            "2 cells of tas_mps are what no aircraft does (300 at 10.0 s is the first); left out"
+            "2 cells of tas_mps are implausible (300 at 10.0 s is the first); left out"
         );
     }
 

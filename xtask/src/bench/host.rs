@@ -82,7 +82,7 @@ pub fn run(echo: bool) -> anyhow::Result<HostBench> {
         .lines()
         .map(serde_json::from_str)
         .collect::<Result<Vec<Replay>, _>>()
-        .context("the replay's benchmark said something unexpected")?;
+        .context("the replay's benchmark printed unexpected output")?;
     let figures = figures(&replays, &flights);
     Ok(HostBench { replays, flights, figures })
 }

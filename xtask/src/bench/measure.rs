@@ -27,7 +27,7 @@ pub fn cost(command: &Command) -> anyhow::Result<Cost> {
     let mut measurer = workspace::program(env::current_exe()?);
     measurer.args(["measure", "--"]).arg(command.get_program()).args(command.get_args());
     let said = child::run(&mut measurer, false)?;
-    serde_json::from_str(&said.stdout).context("`cargo xtask measure` said something unexpected")
+    serde_json::from_str(&said.stdout).context("`cargo xtask measure` printed unexpected output")
 }
 
 /// Runs commands in turn, so that a disturbance affects all of them; returns the shortest times and the

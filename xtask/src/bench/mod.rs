@@ -87,7 +87,7 @@ fn program(echo: bool) -> anyhow::Result<PathBuf> {
     let arguments =
         ["bench", "--package", "host-tests", "--bench", BENCHMARK, "--no-run", "--message-format", "json"];
     let said = child::run(&mut workspace::cargo(arguments), echo)?;
-    executable(&said.stdout).context("cargo named no benchmark that it built")
+    executable(&said.stdout).context("cargo reported no benchmark that it built")
 }
 
 /// The benchmark's path among cargo's messages; a package's programs are built beside it.

@@ -70,7 +70,7 @@ pub fn run(echo: bool) -> anyhow::Result<TargetBench> {
 
 fn read(output: &str) -> anyhow::Result<TargetBench> {
     let Counts { rows, checks } =
-        serde_json::from_str(output).context("the benchmark's program said something unexpected")?;
+        serde_json::from_str(output).context("the benchmark's program printed unexpected output")?;
     let figures = checks
         .into_iter()
         .map(|Check { what, measured, budget, kept }| Figure {
@@ -92,8 +92,7 @@ impl TargetBench {
         for row in &self.rows {
             let ratio = row.mean / filter;
             let ratio = if row.role == Role::Ours { String::new() } else { format!("{ratio:.2}") };
-            let remark =
-                if row.role == Role::Reference { " (hand-written; nobody publishes it)" } else { "" };
+            let remark = if row.role == Role::Reference { " (hand-written; not published)" } else { "" };
             table.add_row([
                 Cell::new(format!("{}{remark}", row.name)),
                 right(format!("{:.0}", row.mean)),

@@ -20,13 +20,13 @@ use super::{load, terminal};
 const EXAMPLES: &str = "\
 Examples:
   pylon discover flight.csv
-      laws over the recorded signals that explain what the default model and the catalogue leave, or that there is none
+      laws over the recorded signals that explain what the default model and the catalogue leave unexplained, if any
   pylon discover monday.csv tuesday.csv --hold-out friday.csv --model ours.toml
-      learn from two flights; a law that the third speaks against is not proposed
+      learn from two flights; a law that the third contradicts is not proposed
   pylon discover flight.csv --write ours.toml 1
-      the first law becomes an [[effect_definition]] of ours.toml; `pylon add` goes on
+      the first law becomes an [[effect_definition]] of ours.toml; continue with `pylon add`
   pylon discover flight.csv --plots pictures
-      measured against law, and what it leaves against each of its signals, as SVG
+      the measured error against the law, and the remainder against each of its signals, as SVG
   pylon discover flight.csv --json | jq .laws[0].regressor
       for other programs";
 
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     drop(counter);
     let mut discovery = found.map_err(|why| {
         Failure::input(format!(
-            "the flights were not searched, by a defect of pylon; please report it: {why}"
+            "the flights could not be searched because of a bug in pylon; please report it: {why}"
         ))
     })?;
     discovery.model.clone_from(&study.model);
@@ -124,10 +124,10 @@ fn write(
     let law = discovery.laws.get(number - 1).ok_or_else(|| {
         let there = match discovery.laws.len() {
             0 => "no law is proposed".to_owned(),
-            1 => "there is one law, number 1".to_owned(),
-            n => format!("there are laws 1 to {n}"),
+            1 => "the only law is number 1".to_owned(),
+            n => format!("the laws are 1 to {n}"),
         };
-        Failure::input(format!("law {number} is not there: {there}; nothing was written"))
+        Failure::input(format!("there is no law {number}: {there}; nothing was written"))
     })?;
     let id = arguments.id.clone().unwrap_or_else(|| id(law, &discovery.signals));
     let _lock = lock_model(file)?;

@@ -44,15 +44,15 @@ Faults (CHIP FAULT START..END, in seconds of the flight's time; those marked * h
   baro, imu, gps  frozen (old results, marked as new), offset=BY[,QUANTITY] (far beyond the range it saturates),
                   spike=BY[,RESULTS[,QUANTITY]] *, flip-data=MASK[,RESULTS[,QUANTITY]] * (in the chip), reset *
   all but wire    garbage=SEED (noise on its line), flip-bits=MASK[,AFTER] * (of one byte on the way)
-  baro            slow=MICROSECONDS (conversions take so much longer), lose-conversions=COUNT *,
+  baro            slow=MICROSECONDS (conversions take this much longer), lose-conversions=COUNT *,
                   flip-prom=BYTE,MASK (of its calibration, as it is read)
   imu             flip-register=ADDRESS,MASK * (until it is written), vibration=HZ,AMPLITUDE[,QUANTITY]
   gps, umbilical  unplugged, lose-bytes=COUNT *
   gps             refuses, silent (to be configured, to acknowledge), no-fix, held (the last solution, with its time),
-                  cold-start=METRES,SECONDS[,dishonest] (an error of altitude that decays), generation-8=BAUD *,
+                  cold-start=METRES,SECONDS[,dishonest] (an altitude error that decays), generation-8=BAUD *,
                   flip-register=SETTING,1 * (until it is configured: 0 no solutions, 1 NMEA, 2 once a second)
-  umbilical       silent (nobody sends), stranger=METRES (another system sends an altitude too), lies=METRES (too
-                  high), not-a-number, holds (one altitude forever), torn (the whole cable, wire included)
+  umbilical       silent (nothing is sent), stranger=METRES (another system sends an altitude too), lies=METRES (too
+                  high), not-a-number, holds (repeats one altitude), torn (the whole cable, wire included)
   wire            open (broken), shorted, unreadable, bounces=MICROSECONDS (mean time open, and closed)
   BY and AMPLITUDE are in Pa, degrees, m/s^2, rad/s, m or m/s; QUANTITY is pressure, temperature; accel-x to -z,
   gyro-x to -z; altitude, velocity-north, -east, -down; without it pressure, accel-z or altitude.

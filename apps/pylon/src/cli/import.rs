@@ -27,7 +27,7 @@ Examples:
   pylon import flight.tlog --turn gps_vd_mps -o flight.csv
       the same for an autopilot that logged its velocity with the wrong sign; import reports a log that looks like that
   pylon import flight.csv --to-msl imu_master_alt_m=47.2 -o corrected.csv
-      one altitude above mean sea level like the others, where the geoid is 47.2 m above the ellipsoid; a flight CSV is read if it is corrected
+      one altitude above mean sea level like the others, where the geoid is 47.2 m above the ellipsoid; a flight CSV is accepted if it is to be corrected
   pylon import logger.csv --guess -o mapping.toml
       any table of numbers, CSV or Parquet: a draft of what its columns are, each guess with its reason, doubtful ones commented out
   pylon import logger.csv --mapping mapping.toml -o flight.csv

@@ -28,7 +28,7 @@ pub fn lock_model(path: &Path) -> Result<ModelLock, Failure> {
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                while_busy("waiting for another pylon that changes this model", || file.lock())
+                while_busy("waiting for another pylon that is changing this model", || file.lock())
                     .map_err(in_file)?;
             }
             Err(TryLockError::Error(error)) => return Err(in_file(error)),

@@ -60,7 +60,7 @@ impl Places {
         });
         if logs.is_empty() {
             return Err(Failure::input(format!(
-                "{}: no log among the {} files of this folder, expected flights' CSV or logs that `pylon import` reads",
+                "{}: no log among the {} files of this folder, expected flight CSVs or logs that `pylon import` reads",
                 folder.display(),
                 others.len()
             )));
@@ -86,9 +86,9 @@ impl Places {
 
     fn take_pattern(&mut self, pattern: &Path) -> Result<(), Failure> {
         let in_pattern = |error: &dyn std::fmt::Display| {
-            Failure::input(format!("{}: no pattern of files: {error}", pattern.display()))
+            Failure::input(format!("{}: invalid file pattern: {error}", pattern.display()))
         };
-        let text = pattern.to_str().ok_or_else(|| in_pattern(&"it is no text"))?;
+        let text = pattern.to_str().ok_or_else(|| in_pattern(&"it is not valid UTF-8"))?;
         let found = glob::glob_with(text, AS_SHELLS_DO).map_err(|error| in_pattern(&error))?;
         let before = self.files.len();
         for file in found {

@@ -130,7 +130,7 @@ pub(crate) fn headline(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Identified => format!("The model lacks {}.", missing.join(" and ")),
         Verdict::Indistinguishable => {
-            "The model lacks an effect, and these flights can't tell which of several it is.".to_owned()
+            "The model lacks an effect, and these flights cannot show which of several it is.".to_owned()
         }
         Verdict::UnknownEffect => {
             "The model lacks something that nothing in the catalogue explains.".to_owned()

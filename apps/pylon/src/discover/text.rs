@@ -31,13 +31,13 @@ pub fn text(discovery: &Discovery, command: &str) -> String {
     if !discovery.laws.is_empty() {
         put!(
             out,
-            "\nProbabilities are among the laws that were looked at and none (none: {}); a law's own is small where others are equal to it.",
+            "\nProbabilities compare all laws tried, and no law at all (no law: {}); a law's own is small where other laws fit equally well.",
             percent(discovery.none)
         );
     }
     put!(
         out,
-        "\nSearched: {} laws of {} signals ({}), {} of them with the noise fitted anew.",
+        "\nSearched: {} laws of {} signals ({}), {} of them with the noise fitted again.",
         discovery.scored,
         discovery.signals.len(),
         discovery.signals.join(", "),
@@ -46,7 +46,7 @@ pub fn text(discovery: &Discovery, command: &str) -> String {
     if !discovery.without_unit.is_empty() {
         put!(
             out,
-            "Plain numbers, because neither their names nor the model say a unit: {}.",
+            "Treated as plain numbers, because neither their names nor the model give a unit: {}.",
             discovery.without_unit.join(", ")
         );
     }
@@ -59,7 +59,7 @@ pub fn text(discovery: &Discovery, command: &str) -> String {
     }
     if let Some(law) = discovery.laws.first() {
         let id = id(law, &discovery.signals);
-        put!(out, "\nTo go on with law 1 (or another: its number):");
+        put!(out, "\nTo continue with law 1 (or another, by its number):");
         put!(out, "  touch ours.toml");
         put!(out, "  {command} --write ours.toml 1");
         let first = discovery.flights.first().map_or("FLIGHT", String::as_str);
@@ -84,20 +84,20 @@ fn headline(discovery: &Discovery) -> String {
         return format!("{explained}{many} {:.2} m of what {} shows in free flight.", law.size_m, law.on);
     }
     if discovery.signals.is_empty() {
-        return format!("{explained}No signal is recorded that a law could be made of.");
+        return format!("{explained}No recorded signal can be used in a law.");
     }
     let nearest = discovery.rejected.as_ref().map_or_else(String::new, |rejected| {
         let why = match (rejected.why, &rejected.effect) {
             (Why::NotEnoughEvidence, _) => {
-                "it does not pay for its length and for the size of the search".to_owned()
+                "its fit does not justify its length and the size of the search".to_owned()
             }
-            (Why::HeldOut, _) => "what it was not learned from does not become more likely by it".to_owned(),
+            (Why::HeldOut, _) => "it does not make the held-out data more likely".to_owned(),
             (Why::Catalogue, Some(effect)) => {
                 format!("{effect} of the catalogue explains as much: see `pylon diagnose`")
             }
             (Why::Catalogue, None) => "an effect of the catalogue explains as much".to_owned(),
-            (Why::NoFormula, _) => "it is too long for a formula that flies".to_owned(),
-            (Why::Shape, _) => "it is what the formulas of the effects found may miss".to_owned(),
+            (Why::NoFormula, _) => "it is too long for a formula that can be flown".to_owned(),
+            (Why::Shape, _) => "it may be an error in the formulas of the effects found".to_owned(),
         };
         format!("\nThe nearest was {} on {}: {why}.", rejected.regressor, rejected.on)
     });
@@ -108,7 +108,7 @@ fn write_law(out: &mut String, number: usize, law: &FoundLaw) {
     put!(out, "\n{number}. {} += c * {}", law.on, law.regressor);
     put!(
         out,
-        "   c = {} +- {} {}; probability {} ({} with those it is equal to here); {:.0} bits",
+        "   c = {} +- {} {}; probability {} ({} with those equal to it here); {:.0} bits",
         significant(law.coefficient),
         significant(law.sigma),
         law.unit,
@@ -124,7 +124,7 @@ fn write_law(out: &mut String, number: usize, law: &FoundLaw) {
     }
     if !law.instead_of.is_empty() {
         let names: Vec<&str> = law.instead_of.iter().map(|name| &**name).collect();
-        put!(out, "   in the place of {}, which the diagnosis takes it for", names.join(", "));
+        put!(out, "   instead of {}, which the diagnosis takes it for", names.join(", "));
     }
     for equal in &law.equal_to {
         let own = equal.probability.map_or_else(String::new, |own| format!(", probability {}", percent(own)));

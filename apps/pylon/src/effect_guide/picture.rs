@@ -86,7 +86,7 @@ impl Picture {
         };
         format!(
             "A simulated flight ({FLIGHT_NAME}), not a measured one, with a coefficient of {}{unit}{tau}; launch at {:.0} s. \
-             What the calibration before the launch takes off is taken off.",
+             The bias that was calibrated before launch is subtracted.",
             // The coefficient to three digits, written as short as possible.
             format!("{:.2e}", self.coefficient).parse::<f64>().unwrap_or(self.coefficient),
             self.launch_s

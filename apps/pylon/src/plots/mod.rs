@@ -25,7 +25,7 @@ use crate::output_file::{OutputError, write_atomically};
 #[non_exhaustive]
 pub enum PlotError {
     /// The directory could not be made.
-    #[error("{}: cannot be made a directory: {reason}", directory.display())]
+    #[error("{}: cannot create the directory: {reason}", directory.display())]
     Directory {
         /// The directory.
         directory: PathBuf,

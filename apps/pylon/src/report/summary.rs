@@ -17,10 +17,10 @@ pub(super) struct Outcome {
 /// The outcome for a sensor's trust at the flight's end.
 pub(super) fn outcome(trust: &str) -> Outcome {
     let (word, sign, meaning) = match trust {
-        "trusted" => ("trusted", "✓", "its error never passed the bound"),
-        "doubtful" => ("doubtful", "?", "its error has passed the bound, its average has not"),
-        "untrustworthy" => ("untrustworthy", "✗", "its error and then its average passed the bound"),
-        "unmonitored" => ("unmonitored", "–", "there was no reference to watch it by at the end"),
+        "trusted" => ("trusted", "✓", "its error never exceeded the alarm limit"),
+        "doubtful" => ("doubtful", "?", "its error exceeded the alarm limit, its average did not"),
+        "untrustworthy" => ("untrustworthy", "✗", "its error and then its average exceeded the alarm limit"),
+        "unmonitored" => ("unmonitored", "–", "there was no reference to compare it with at the end"),
         _ => ("calibrating", "…", "it was never launched"),
     };
     Outcome { word, sign, meaning }
@@ -38,7 +38,7 @@ pub(super) fn calibration(comparison: &Comparison) -> String {
         ),
         Some(_) => format!(
             "{beforehand} the sensors were compared with gps for {length}, but that calibration is poor: {} of its \
-             checks failed. What follows is to be read with care.",
+             checks failed. Read what follows with care.",
             facts.failed_checks.len()
         ),
     }
@@ -65,7 +65,7 @@ pub(super) fn sensor(name: &str, found: &SensorComparison, comparison: &Comparis
     let bound = found
         .bound_m
         .map_or_else(String::new, |bound| format!("; the monitor's alarm limit is {}", metres(Some(bound))));
-    said.push(format!("With that taken off, its error in {after} was {} rms{bound}.", metres(Some(rms_m))));
+    said.push(format!("With that subtracted, its error in {after} was {} rms{bound}.", metres(Some(rms_m))));
     said.push(match (found.doubtful_after_s, found.untrustworthy_after_s) {
         (Some(doubtful), Some(untrustworthy)) => format!(
             "It became doubtful {} after {event} and untrustworthy {} later.",
@@ -119,7 +119,7 @@ mod tests {
             sensor("baro", &found, &comparison),
             [
                 "Under the pylon baro read 121.5 m too low (± 1.25 m).",
-                "With that taken off, its error in free flight was 70.00 m rms; the monitor's alarm limit is 40.00 m.",
+                "With that subtracted, its error in free flight was 70.00 m rms; the monitor's alarm limit is 40.00 m.",
                 "It became doubtful 7.00 s after launch and untrustworthy 2.50 s later.",
             ]
         );

@@ -135,7 +135,7 @@ impl Engine {
         // keep their digits.
         let json = serde_json::from_slice::<serde_json::Value>(request)
             .and_then(serde_json::from_value)
-            .map_err(|error| refused(format!("the request is none of this engine's: {error}")))
+            .map_err(|error| refused(format!("invalid request: {error}")))
             .and_then(|request| self.answer(request, bytes, &mut attachments, progress));
         match json {
             Ok(json) => Reply {

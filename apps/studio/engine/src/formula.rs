@@ -75,7 +75,7 @@ pub fn checked(
     };
     let Some(fit) = Fit::of(&pairs) else {
         return wrong(whole(
-            "The formula says the same all over this flight, or nothing: the flight can't tell its coefficient.",
+            "The formula is constant over this flight, or has no value: the flight cannot determine its coefficient.",
         ));
     };
     let largest = request.largest.unwrap_or_else(|| largest_plausible(fit.coefficient));

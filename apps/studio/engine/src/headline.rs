@@ -54,19 +54,19 @@ pub fn why_no_law(discovery: &Discovery) -> Option<String> {
         return None;
     }
     if discovery.signals.is_empty() {
-        return Some("No signal is recorded that a law could be made of.".to_owned());
+        return Some("No recorded signal can be used in a law.".to_owned());
     }
-    let searched = format!("No law explains the rest; {} were looked at.", discovery.scored);
+    let searched = format!("No law explains the rest; {} were tried.", discovery.scored);
     let Some(Rejected { on, regressor, why, effect }) = &discovery.rejected else { return Some(searched) };
     let why = match (why, effect) {
         (Why::NotEnoughEvidence, _) => {
-            "it does not pay for its length and for the size of the search".to_owned()
+            "its fit does not justify its length and the size of the search".to_owned()
         }
-        (Why::HeldOut, _) => "what it was not learned from does not become more likely by it".to_owned(),
+        (Why::HeldOut, _) => "it does not make the held-out data more likely".to_owned(),
         (Why::Catalogue, Some(effect)) => format!("{} explains as much", title(effect)),
         (Why::Catalogue, None) => "an effect of the catalogue explains as much".to_owned(),
-        (Why::NoFormula, _) => "it is too long for a formula that flies".to_owned(),
-        (Why::Shape, _) => "it is what the formulas of the effects found may miss".to_owned(),
+        (Why::NoFormula, _) => "it is too long for a formula that can be flown".to_owned(),
+        (Why::Shape, _) => "it may be an error in the formulas of the effects found".to_owned(),
     };
     Some(format!("{searched} The nearest was {regressor} on {on}: {why}."))
 }
@@ -185,7 +185,7 @@ pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
                 .and_then(reads)
                 .unwrap_or_else(|| "is off".to_owned());
             let sentence =
-                format!("{subject} {reads}, and this flight can't tell why: {}.", listed.join(" or "));
+                format!("{subject} {reads}, and this flight cannot show why: {}.", listed.join(" or "));
             Headline { sentence, tone: Tone::Caution, effect: set.first().map(ToString::to_string) }
         }
         Verdict::UnknownEffect => {

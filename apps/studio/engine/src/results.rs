@@ -218,7 +218,7 @@ fn date(text: &str) -> Result<Date, Refused> {
     let date = date.and_then(|((year, month), day)| {
         Date::from_calendar_date(year, Month::try_from(month).ok()?, day).ok()
     });
-    date.ok_or_else(|| refused(format!("'{text}' is no day, expected one such as 2026-01-31")))
+    date.ok_or_else(|| refused(format!("'{text}' is not a date, expected one such as 2026-01-31")))
 }
 
 /// Every revision of a model on every flight.

@@ -21,7 +21,7 @@ const SAMPLES: [(&str, &str, &str); 4] = [
     ),
     (
         "hidden-static-port-second",
-        "The same UAV on another day, to judge by what was learned on the first (simulated).",
+        "The same UAV on another day, to check what was learned on the first (simulated).",
         scenario!("hidden-static-port-second"),
     ),
     (
@@ -29,7 +29,7 @@ const SAMPLES: [(&str, &str, &str); 4] = [
         "The paper's flight, reconstructed from its figures: the telemetry was never published (simulated).",
         scenario!("paper-reconstruction"),
     ),
-    ("clean", "A flight of which the model lacks nothing (simulated).", scenario!("clean")),
+    ("clean", "A flight that the model explains completely (simulated).", scenario!("clean")),
 ];
 
 /// Lists all samples.

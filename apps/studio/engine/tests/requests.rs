@@ -179,7 +179,7 @@ fn formulas(engine: &mut Engine, default: &Value, learned: f64) {
         ("1 + tas_mps", "m/s", "tas_mps"),
         ("2 * \u{e9}flap", "", ""),
         ("tas_mps * flap", "This flight has no column 'flap'", "flap"),
-        ("7", "can't tell", "7"),
+        ("7", "cannot determine", "7"),
     ] {
         let checked = check(engine, "baro", text).json;
         let problem = &checked["problem"];

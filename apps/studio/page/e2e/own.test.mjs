@@ -45,7 +45,7 @@ test("a formula is checked where it is typed, drawn over the error, added, and u
   // It is the catalogue's own effect under another name, and the engine says so before it is added.
   const doubted = page.getByRole("alertdialog");
   await doubted.waitFor();
-  assert.match(await doubted.textContent(), /can't tell it from/);
+  assert.match(await doubted.textContent(), /can't distinguish it from/);
   await doubted.getByRole("button", { name: "Leave it out" }).click();
   assert.equal(await formula.inputValue(), "tas_mps^2 / (2*g)", "what was left out can be changed");
   await page.locator(".formula-fit .add").click();

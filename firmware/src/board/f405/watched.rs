@@ -179,7 +179,7 @@ impl LoggedLine {
         self.logged = counts;
         let [broken, late, stopped] = counts;
         defmt::warn!(
-            "{=str}'s line: {=u32} times broken bytes, {=u32} times read too late, {=u32} times stopped",
+            "{=str}'s line: broken bytes {=u32} times, read too late {=u32} times, stopped {=u32} times",
             self.name,
             broken,
             late,

@@ -49,7 +49,7 @@ impl Source {
             return match self.inputs.dequeue() {
                 Some(Item::Fault(fault)) => {
                     if !sensors.inject(fault) {
-                        defmt::warn!("a fault of a chip, and the record flies without chips");
+                        defmt::warn!("a fault of a chip is ignored: the record flies without chips");
                     }
                     continue;
                 }

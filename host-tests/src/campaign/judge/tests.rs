@@ -40,10 +40,10 @@ fn restarted(restarts: &[(usize, bool)]) -> Vec<Invariant> {
         restarts: 1,
         pause_us: 0,
     };
-    let restarts = restarts.iter().map(|(tick, is_told)| Restarted {
+    let restarts = restarts.iter().map(|(tick, is_reported)| Restarted {
         tick: *tick,
         report: Some(report),
-        is_told: *is_told,
+        is_reported: *is_reported,
     });
     let mut faulty = Watched::default();
     faulty.restarts = restarts.collect();

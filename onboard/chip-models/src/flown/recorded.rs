@@ -65,11 +65,11 @@ impl<Observer: WorkObserver> RecordedSensors<Observer> {
         }
     }
 
-    /// Fixes that the receiver did not send; see [`ModelledSuite::untold_solutions`].
-    pub fn untold_solutions(&mut self) -> u32 {
+    /// Fixes that the receiver did not send; see [`ModelledSuite::unsent_solutions`].
+    pub fn unsent_solutions(&mut self) -> u32 {
         match self {
             Self::Ideal(_) => 0,
-            Self::Chips(suite) => suite.untold_solutions(),
+            Self::Chips(suite) => suite.unsent_solutions(),
         }
     }
 }

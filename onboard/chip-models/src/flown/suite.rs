@@ -139,8 +139,8 @@ impl<Observer: WorkObserver> ModelledSuite<Observer> {
     }
 
     /// Solutions that the receiver did not send: it was not configured yet, or too many came at a time.
-    pub fn untold_solutions(&mut self) -> u32 {
-        self.board.receiver.driver.port_mut().0.port.untold_solutions
+    pub fn unsent_solutions(&mut self) -> u32 {
+        self.board.receiver.driver.port_mut().0.port.unsent_solutions
     }
 
     /// Lets time pass up to a tick, and gives the chips the tick's new values as their surroundings.

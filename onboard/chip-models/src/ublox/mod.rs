@@ -116,7 +116,7 @@ pub struct ReceiverModel<Surroundings> {
     /// Time of week at time 0, ms.
     pub time_of_week_ms: u64,
     /// Solutions of [`Self::solve`] that were not sent: not configured to, or too many at a time.
-    pub untold_solutions: u32,
+    pub unsent_solutions: u32,
     /// Epochs that were skipped in a long span without the time being set.
     pub skipped_epochs: u32,
     /// The last solution that it sent, and its epoch.
@@ -145,7 +145,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
             line: Line::new(baud),
             latency_us: 50_000,
             time_of_week_ms: TIME_OF_WEEK_MS,
-            untold_solutions: 0,
+            unsent_solutions: 0,
             skipped_epochs: 0,
             generation,
             settings: DEFAULT,
@@ -196,7 +196,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
             && self.now_us >= self.booted_us
             && self.waiting.push_back((self.now_us, solution)).is_ok();
         if !told {
-            self.untold_solutions = self.untold_solutions.saturating_add(1);
+            self.unsent_solutions = self.unsent_solutions.saturating_add(1);
         }
     }
 
@@ -322,7 +322,7 @@ impl<Surroundings: Source<Option<Solution>>> ReceiverModel<Surroundings> {
             put(48 + 4 * index, &millis(velocity).to_le_bytes());
         }
         if !self.send(0x01, 0x07, &payload) {
-            self.untold_solutions = self.untold_solutions.saturating_add(1);
+            self.unsent_solutions = self.unsent_solutions.saturating_add(1);
         }
     }
 

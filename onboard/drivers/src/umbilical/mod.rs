@@ -64,9 +64,9 @@ pub struct LinkCounts {
     /// Frames of the mother ship with an altitude and a right checksum.
     pub frames: u32,
     /// The same of other senders.
-    pub strangers: u32,
+    pub other_senders: u32,
     /// Altitudes that are not finite, or that no mother ship can have.
-    pub absurd: u32,
+    pub implausible: u32,
     /// Apparent frames with an altitude whose checksum was wrong.
     pub bad_frames: u32,
     /// Altitudes that a newer one in the same poll replaced.
@@ -105,8 +105,8 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
                 bytes: 0,
                 other_bytes: 0,
                 frames: 0,
-                strangers: 0,
-                absurd: 0,
+                other_senders: 0,
+                implausible: 0,
                 bad_frames: 0,
                 superseded: 0,
             },
@@ -153,7 +153,7 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
                     Found::Altitude { sender, .. }
                         if sender != self.mother_ship && Guard::KnownSender.stands() =>
                     {
-                        count(&mut self.counts.strangers);
+                        count(&mut self.counts.other_senders);
                     }
                     Found::Altitude { payload, .. } => {
                         count(&mut self.counts.frames);
@@ -181,7 +181,7 @@ impl<Port: Read + ReadReady> Umbilical<Port> {
             if ALTITUDES_M.contains(&altitude_m) {
                 return Ok(Some(altitude_m));
             }
-            count(&mut self.counts.absurd);
+            count(&mut self.counts.implausible);
             return Err(SensorError::OutOfRange);
         }
         if bad {

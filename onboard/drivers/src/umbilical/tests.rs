@@ -128,9 +128,9 @@ fn ten_million_bytes_of_anything() {
         let counts = driver.link_counts();
         assert!(counts.bytes - before.bytes <= MAX_POLL_BYTES as u32);
         // Every attempted frame begins with a header that fits.
-        let checked = counts.frames + counts.strangers + counts.bad_frames
+        let checked = counts.frames + counts.other_senders + counts.bad_frames
             - before.frames
-            - before.strangers
+            - before.other_senders
             - before.bad_frames;
         assert!(checked as usize <= (MAX_POLL_BYTES + LONGEST) / 10, "{checked}");
         match polled {
@@ -147,7 +147,7 @@ fn ten_million_bytes_of_anything() {
     }
     let counts = driver.link_counts();
     assert!(accepted > 1_000 && refused > 1_000, "{accepted} {refused}");
-    assert!(counts.strangers > 10_000 && counts.bad_frames > 10_000, "{counts:?}");
+    assert!(counts.other_senders > 10_000 && counts.bad_frames > 10_000, "{counts:?}");
 }
 
 /// Another sender's altitude is ignored, and so is one that no mother ship can have.
@@ -163,11 +163,11 @@ fn only_the_mother_ships_plausible_altitudes_count() {
     assert_eq!(only(frame((1, 1), 2_000.0, 0)).0, Ok(Some(2_000.0)));
     for sender in [(2, 1), (1, 2), (0, 0), (255, 190)] {
         let (polled, counts) = only(frame(sender, 2_000.0, 0));
-        assert_eq!((polled, counts.strangers, counts.frames), (Ok(None), 1, 0));
+        assert_eq!((polled, counts.other_senders, counts.frames), (Ok(None), 1, 0));
     }
     for altitude_m in [f32::NAN, f32::INFINITY, 1e38, -1e38, 60_001.0, -1_001.0] {
         let (polled, counts) = only(frame((1, 1), altitude_m, 0));
-        assert_eq!((polled, counts.absurd), (Err(SensorError::OutOfRange), 1), "{altitude_m}");
+        assert_eq!((polled, counts.implausible), (Err(SensorError::OutOfRange), 1), "{altitude_m}");
     }
 }
 

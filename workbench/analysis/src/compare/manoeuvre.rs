@@ -105,7 +105,7 @@ impl Manoeuvre {
             Self::ClimbingTurn => "in the climbing turn",
             Self::DescendingTurn => "in the descending turn",
             Self::AtRest => "at rest",
-            Self::Unknown => "(no signal says what the aircraft was doing)",
+            Self::Unknown => "(no signal shows what the aircraft was doing)",
         }
     }
 

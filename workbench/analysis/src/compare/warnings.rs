@@ -18,10 +18,10 @@ pub(super) fn input_warnings(summary: &InputSummary) -> Vec<String> {
         (inputs.fixes_without_altitude, "fixes without gps_alt_m were not used"),
         (
             inputs.satellites_not_a_count,
-            "satellite numbers are not a count from 0 to 255; their fixes went without",
+            "satellite counts are not whole numbers from 0 to 255; their fixes were used without them",
         ),
-        (inputs.partial_attitudes, "attitudes with some of roll, pitch and yaw only were not used"),
-        (inputs.partial_imu_samples, "inertial samples with some of their six cells only were not used"),
+        (inputs.partial_attitudes, "attitudes with only some of roll, pitch and yaw were not used"),
+        (inputs.partial_imu_samples, "inertial samples with only some of their six cells were not used"),
     ];
     let mut lines: Vec<_> = kinds
         .into_iter()
@@ -30,9 +30,9 @@ pub(super) fn input_warnings(summary: &InputSummary) -> Vec<String> {
         .collect();
     if let Some((counts, channel)) = &summary.inertial_altitude {
         lines.push(match counts.delivered {
-            0 => "imu_slave: the flight has no imu_slave_alt_m, and its inertial samples could not be aligned to make it".to_owned(),
+            0 => "imu_slave: the flight has no imu_slave_alt_m, and its inertial samples could not be aligned to compute it".to_owned(),
             delivered => format!(
-                "imu_slave: the flight has no imu_slave_alt_m; its {delivered} altitudes were made of accelerometer and gyro"
+                "imu_slave: the flight has no imu_slave_alt_m; its {delivered} altitudes were computed from accelerometer and gyro"
             ),
         });
         if channel.refused > 0 {
@@ -54,7 +54,11 @@ pub(super) fn effect_warnings(model: &Model, flight: &Flight) -> Vec<String> {
         let id = effect.term.id();
         let columns = missing_columns(flight, id);
         (!columns.is_empty()).then(|| {
-            format!("effect {} of the model had no say: the flight lacks {}", id.name(), columns.join(", "))
+            format!(
+                "effect {} of the model was not applied: the flight lacks {}",
+                id.name(),
+                columns.join(", ")
+            )
         })
     });
     lacking.chain(column_notes(flight, model)).collect()
@@ -70,18 +74,18 @@ pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comp
     };
     count(
         counters.out_of_order,
-        "row was ignored: its time is not after the row before it",
-        "rows were ignored: their times are not after the row before them",
+        "row was ignored: its time is not later than the previous row's",
+        "rows were ignored: their times are not later than the previous row's",
     );
     let mut source = |name: &str, counts: &ReadingCounts| {
         let refused = |what: &str| (format!("{name} reading {what}"), format!("{name} readings {what}"));
         for (number, what) in [
-            (counts.not_finite, "refused: not a finite number, or no possible pressure"),
+            (counts.not_finite, "refused: not finite, or an invalid pressure"),
             (counts.held, "ignored: the receiver held its last fix"),
-            (counts.stuck, "ignored: the sensor repeats itself to the bit"),
-            (counts.variance, "refused by the filter: no positive innovation variance"),
+            (counts.stuck, "ignored: the sensor is stuck: bit-identical readings"),
+            (counts.variance, "refused by the filter: innovation variance not positive"),
             (counts.implausible, "refused: no aircraft can be there or do that"),
-            (counts.gated, "refused as outliers: too far from what the filter expected"),
+            (counts.gated, "refused as outliers: too far from the filter's prediction"),
         ] {
             let (one, many) = refused(what);
             count(number, &one, &many);
@@ -98,20 +102,20 @@ pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comp
     );
     count(
         counters.signals_not_finite,
-        "signal refused: not finite, or none that an aircraft can have",
-        "signals refused: not finite, or none that an aircraft can have",
+        "signal refused: not finite, or impossible for an aircraft",
+        "signals refused: not finite, or impossible for an aircraft",
     );
     count(
         counters.effects_without_signal,
-        "reading was taken without an effect of the model: its signal was not there",
-        "readings were taken without an effect of the model: its signal was not there",
+        "reading was used without an effect of the model: the effect's signal was missing",
+        "readings were used without an effect of the model: the effect's signal was missing",
     );
     count(
         counters.effects_silent,
-        "time an effect by formula had no value, though its signals were there: a division by zero, a root of a negative number or an \
-         overflow; it added nothing then",
-        "times an effect by formula had no value, though its signals were there: a division by zero, a root of a negative number or an \
-         overflow; it added nothing then",
+        "time an effect by formula had no value although its signals were available: a division by zero, a root of a negative number or \
+         an overflow; nothing was added then",
+        "times an effect by formula had no value although its signals were available: a division by zero, a root of a negative number or \
+         an overflow; nothing was added then",
     );
     count(
         counters.effects_extrapolated,
@@ -147,7 +151,7 @@ pub(super) fn warnings(counters: &Counters, has_settled: bool, comparison: &Comp
         }
     }
     if comparison.sensors.is_empty() {
-        lines.push("no sensor gave a single reading together with the reference".to_owned());
+        lines.push("no sensor has a reading while the reference is available".to_owned());
     }
     lines
 }

@@ -99,7 +99,7 @@ fn best(
             best = Some((worth, manoeuvre));
         }
     }
-    best.map(|(sigmas, manoeuvre)| Advice { manoeuvre: manoeuvre.say(trim), sigmas })
+    best.map(|(sigmas, manoeuvre)| Advice { manoeuvre: manoeuvre.describe(trim), sigmas })
 }
 
 /// A manoeuvre's blocks, with the columns of `set`; the residuals do not matter.

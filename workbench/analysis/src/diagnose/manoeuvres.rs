@@ -150,7 +150,7 @@ pub struct Trim {
 impl Manoeuvre {
     /// What to fly, in words.
     #[must_use]
-    pub fn say(&self, trim: &Trim) -> String {
+    pub fn describe(&self, trim: &Trim) -> String {
         let speed = |factor: f64| format!("{:.0}", trim.speed_mps * factor);
         let pull = PULL * PULL_RATE * trim.speed_mps / GRAVITY;
         self.say
@@ -262,8 +262,8 @@ mod tests {
     /// The text names the speeds that are flown.
     #[test]
     fn the_words_have_the_speeds() {
-        assert!(MANOEUVRES[0].say(&TRIM).contains("from 30 to 50 m/s"));
-        assert!(MANOEUVRES[1].say(&TRIM).contains("at constant 40 m/s"));
+        assert!(MANOEUVRES[0].describe(&TRIM).contains("from 30 to 50 m/s"));
+        assert!(MANOEUVRES[1].describe(&TRIM).contains("at constant 40 m/s"));
     }
 
     /// A pull-up at such a speed takes more lift the faster the aircraft is, and the text gives what is
@@ -272,7 +272,7 @@ mod tests {
     fn the_words_have_the_load_factors_of_that_speed() {
         for (speed_mps, words) in [(40.0, "between 0.7 and 1.3 g"), (80.0, "between 0.3 and 1.7 g")] {
             let trim = Trim { speed_mps, ..TRIM };
-            assert!(MANOEUVRES[2].say(&trim).contains(words), "{}", MANOEUVRES[2].say(&trim));
+            assert!(MANOEUVRES[2].describe(&trim).contains(words), "{}", MANOEUVRES[2].describe(&trim));
             let loads = MANOEUVRES[2].fly(&trim).into_iter().filter(|tick| tick.launch).map(|tick| {
                 let [_, shake, z] = tick.imu.unwrap().accel_mps2.map(f64::from);
                 (shake - z) / GRAVITY

@@ -117,7 +117,7 @@ pub fn diagnose_further(
     let of = |judged: &Judged<'_, '_>, _: &mut Progress<'_>| Ok(Planner::of(judged));
     let (diagnosis, made) = judged(flights, hold_outs, None, progress, executor, of)?;
     let further = made.map(|(mut planner, work)| {
-        planner.sets.retain(|set| set.is_said(&diagnosis));
+        planner.sets.retain(|set| set.is_reported(&diagnosis));
         Further { planner, work }
     });
     Ok((diagnosis, further))
@@ -125,7 +125,7 @@ pub fn diagnose_further(
 
 impl Set {
     /// Whether the diagnosis reports this set; it does not where the cause of a misfit is unknown.
-    fn is_said(&self, diagnosis: &Diagnosis) -> bool {
+    fn is_reported(&self, diagnosis: &Diagnosis) -> bool {
         let names = || self.members.iter().map(|(effect, ..)| effect.name());
         let mut said = diagnosis.sensors.values().flat_map(|sensor| &sensor.indistinguishable);
         said.any(|set| set.iter().map(|name| &**name).eq(names()))

@@ -96,7 +96,7 @@ pub fn unexplained(
             if is_better || is_beside {
                 let coefficient: f64 = solution.coefficients[all.len()..].iter().sum();
                 found.is_better |= is_better;
-                let (signal, lag_s) = test.say(epochs);
+                let (signal, lag_s) = test.describe(epochs);
                 let size_m = coefficient.abs() * spread(&columns, first);
                 found.follows.push(Follows { signal, lag_s, size_m, evidence });
             }

@@ -34,7 +34,7 @@ pub enum Shape {
 impl Shape {
     pub const ALL: [Self; 4] = [Self::Value, Self::Magnitude, Self::Square, Self::Rate];
 
-    fn say(self, signal: &str) -> String {
+    fn describe(self, signal: &str) -> String {
         match self {
             Self::Value => signal.to_owned(),
             Self::Magnitude => format!("|{signal} - its mean|"),
@@ -53,11 +53,11 @@ impl Test {
         }
     }
 
-    pub fn say(self, epochs: &[Epochs]) -> (String, f64) {
+    pub fn describe(self, epochs: &[Epochs]) -> (String, f64) {
         match self {
             Self::Signal { signal, shape, lag_s } => {
                 let name = epochs.first().and_then(|first| first.signal_names.get(signal));
-                (shape.say(name.map_or("?", String::as_str)), lag_s)
+                (shape.describe(name.map_or("?", String::as_str)), lag_s)
             }
             Self::Play { half_width_m } => {
                 (format!("altitude with a play of +-{half_width_m:.0} m (hysteresis)"), 0.0)
@@ -65,7 +65,7 @@ impl Test {
             Self::Jump { flight, block } => {
                 let time_s =
                     epochs.get(flight).and_then(|e| e.series.time_s.get(block)).copied().unwrap_or(0.0);
-                (format!("a jump at {time_s:.0} s that stays"), 0.0)
+                (format!("a lasting jump at {time_s:.0} s"), 0.0)
             }
         }
     }

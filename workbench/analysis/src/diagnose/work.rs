@@ -207,8 +207,8 @@ fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
 /// Why the effects on a UAV's inertial altitude are not tried where the flight computer computes that
 /// altitude itself. Before the launch it is not a measurement independent of the reference. After it, its
 /// error grows with the square of the time and faster, while every term of the fitted noise is stationary.
-const MADE: &str = "the UAV's inertial altitude is made here from its accelerometer and gyro: until the launch it follows the \
-    reference, and after it drifts without bound, so that its errors say nothing that the fitted noise could be told from";
+const MADE: &str = "the UAV's inertial altitude is computed here from its accelerometer and gyro: until the launch it follows the \
+    reference, and afterwards it drifts without bound, so its errors cannot be distinguished from the fitted noise";
 
 /// Effects on sensors that the flights have, whose signals they lack, and those on an altitude that cannot be
 /// judged.

@@ -60,14 +60,14 @@ pub fn to_separate(bench: &Bench<'_>, one: &Fitted, equals: &Equals<'_>, trim: &
                         signal.name.name
                     )
                 });
-                best = Some((told.len(), least, apart, format!("{}{with}", manoeuvre.say(trim))));
+                best = Some((told.len(), least, apart, format!("{}{with}", manoeuvre.describe(trim))));
             }
         }
     }
-    best.map_or_else(String::new, |(_, least, apart, what)| say(&apart, least, &what, equals.names))
+    best.map_or_else(String::new, |(_, least, apart, what)| describe(&apart, least, &what, equals.names))
 }
 
-fn say(apart: &[f64], least: f64, what: &str, names: &[String]) -> String {
+fn describe(apart: &[f64], least: f64, what: &str, names: &[String]) -> String {
     let named = |is_told: bool| -> Vec<&str> {
         let chosen = names.iter().zip(apart).filter(|(_, sigmas)| (**sigmas >= APART) == is_told);
         chosen.map(|(name, _)| name.as_str()).collect()
@@ -76,7 +76,7 @@ fn say(apart: &[f64], least: f64, what: &str, names: &[String]) -> String {
         return format!("To tell them apart, fly {what}: they would be {least:.0} sigmas apart.");
     }
     format!(
-        "To tell it from {}, fly {what}: they would be {least:.0} sigmas apart. No manoeuvre tells it from {} as well.",
+        "To distinguish it from {}, fly {what}: they would be {least:.0} sigmas apart. No manoeuvre also distinguishes it from {}.",
         named(true).join(" and "),
         named(false).join(" or ")
     )
@@ -248,11 +248,12 @@ mod tests {
     fn the_advice_names_what_it_tells_apart() {
         let names = ["a".to_owned(), "b".to_owned()];
         let (much, little) = (10.0 * APART, 0.1 * APART);
-        let both = say(&[much, much], much, "a loop", &names);
+        let both = describe(&[much, much], much, "a loop", &names);
         assert!(both.starts_with("To tell them apart, fly a loop: they would be"), "{both}");
-        let one = say(&[much, little], much, "a loop", &names);
+        let one = describe(&[much, little], much, "a loop", &names);
         assert!(
-            one.contains("To tell it from a, fly a loop") && one.ends_with("tells it from b as well."),
+            one.contains("To distinguish it from a, fly a loop")
+                && one.ends_with("also distinguishes it from b."),
             "{one}"
         );
     }

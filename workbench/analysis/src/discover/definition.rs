@@ -15,7 +15,7 @@ pub enum DefinitionError {
     #[error("{0}")]
     Syntax(#[source] toml_edit::TomlError),
     /// The id exists already.
-    #[error("{0} is defined in it already; choose another id")]
+    #[error("{0} is already defined; choose another id")]
     Taken(String),
     /// The definitions are not tables.
     #[error(

@@ -24,8 +24,8 @@ pub enum AddError {
     },
     /// The flights have no information about it.
     #[error(
-        "{effect} can't be learned: what it acts on has no reading, or its regressor does not move or has gaps, in {files}; \
-         `pylon diagnose` says what to fly"
+        "{effect} can't be learned: its sensor has no reading, or its regressor does not change or has gaps, in {files}; \
+         `pylon diagnose` suggests what to fly"
     )]
     NotExcited {
         /// The effect.

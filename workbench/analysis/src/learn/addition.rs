@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use time::Date;
 
 use super::add_error::AddError;
-use super::concerns::{JudgedOn, concerns, doubts, untold};
+use super::concerns::{JudgedOn, concerns, doubts, undecided};
 use super::document::{RevisionErrors, with_effect, with_revision};
 use super::filter::learn;
 use crate::name::Name;
@@ -246,7 +246,7 @@ pub fn add_remembering(
     // The new text must be a valid model, and this one.
     let warnings = Model::parse(&text)?.warnings();
     let concerns = concerns(&diagnosis, &effect, judged_on, judged_m, &verdict);
-    let remarks = doubts(&diagnosis, id).into_iter().chain(untold(judged_on, &verdict)).chain(not_flown);
+    let remarks = doubts(&diagnosis, id).into_iter().chain(undecided(judged_on, &verdict)).chain(not_flown);
     let has_time = id.has_time_constant();
     Ok(Addition {
         version: Addition::VERSION,
@@ -309,8 +309,8 @@ fn not_flown<'a>(replays: impl Iterator<Item = &'a NamedReplay<'a>>) -> Vec<Stri
     uncalibrated
         .map(|named| {
             format!(
-                "{}: no launch column and no quiet stretch to calibrate on, so its errors are about biases fitted to \
-                 it and no mission was flown over it; give one by --calibrate START..END (seconds)",
+                "{}: no launch column and no quiet stretch to calibrate on, so its errors are relative to biases fitted \
+                 to it and no mission was run on it; give a stretch with --calibrate START..END (seconds)",
                 named.file
             )
         })

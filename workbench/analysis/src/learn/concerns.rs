@@ -44,7 +44,7 @@ pub(super) fn concerns(
     if let Some(set) = sets.find(|set| set.iter().any(|other| other == name)) {
         let others: Vec<&str> = set.iter().map(|other| &**other).filter(|other| *other != name).collect();
         concerns.push(format!(
-            "these flights can't identify it: they can't tell it from {} (`pylon diagnose` says what to fly)",
+            "these flights can't identify it: they can't distinguish it from {} (see `pylon diagnose`)",
             others.join(", ")
         ));
     }
@@ -71,10 +71,10 @@ pub(super) const fn held_out_name(judged_on: JudgedOn) -> &'static str {
 }
 
 /// What a test that cannot decide leaves open.
-pub(super) fn untold(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<String> {
+pub(super) fn undecided(judged_on: JudgedOn, verdict: &HeldOutVerdict) -> Option<String> {
     (!verdict.can_tell && !verdict.is_worse).then(|| {
         format!(
-            "the held-out {} can't tell whether it acts there: it would move them by less than chance hides",
+            "the held-out {} can't show whether it acts there: it would change them by less than chance",
             held_out_name(judged_on)
         )
     })

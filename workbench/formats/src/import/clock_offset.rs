@@ -50,10 +50,10 @@ impl ClockOffset {
     pub fn text(&self) -> String {
         let Self { behind_s, sigma_s, correlation } = *self;
         let which = if behind_s >= 0.0 { "behind" } else { "ahead of" };
-        let doubt = if behind_s.abs() < 2.0 * sigma_s { ", which may be none at all" } else { "" };
+        let doubt = if behind_s.abs() < 2.0 * sigma_s { ", which may be zero" } else { "" };
         format!(
             "clocks: the barometer is {:.2} s {which} the receiver{doubt} (1 sigma {sigma_s:.2} s; their climbs correlate by \
-             {correlation:.2} then): an offset of the clocks, or a lag of the sensor; nothing is shifted by it",
+             {correlation:.2} then): an offset of the clocks, or a lag of the sensor; no times are shifted",
             behind_s.abs()
         )
     }

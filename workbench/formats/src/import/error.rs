@@ -17,8 +17,8 @@ pub enum ImportError {
     AlreadyFlight,
     /// A table of numbers that no importer recognises.
     #[error(
-        "a table of numbers of no known format: 'pylon import {file} --guess -o mapping.toml' drafts what its columns may be, \
-         and 'pylon import {file} --mapping mapping.toml -o flight.csv' reads it by that"
+        "a table of numbers of no known format: 'pylon import {file} --guess -o mapping.toml' drafts a mapping of its columns, \
+         and 'pylon import {file} --mapping mapping.toml -o flight.csv' reads it with that mapping"
     )]
     Table {
         /// The file.
@@ -36,8 +36,8 @@ pub enum ImportError {
     },
     /// MCAP of another program.
     #[error(
-        "MCAP that pylon did not write, expected one of 'pylon export FLIGHT --format mcap': what another program's topics \
-         mean, it does not say"
+        "MCAP that pylon did not write, expected one of 'pylon export FLIGHT --format mcap': MCAP does not \
+         define the meaning of another program's topics"
     )]
     ForeignMcap,
     /// The file is empty.
@@ -134,7 +134,7 @@ pub enum ImportError {
         is: &'static str,
     },
     /// An archive of several files.
-    #[error("a {kind}: unpack it, and give the log that is in it")]
+    #[error("a {kind}: unpack it and import the log inside")]
     Packed {
         /// Kind of archive.
         kind: &'static str,

@@ -11,12 +11,12 @@ const LONGEST_VERSION: usize = 48;
 pub fn without_receiver(log: &[u8]) -> Option<&'static str> {
     if is_cats(log) {
         return Some(
-            "a flight log of a CATS flight computer: of its receiver it has latitude, longitude and satellites, but no altitude",
+            "a flight log of a CATS flight computer: it has the receiver's latitude, longitude and satellites, but no altitude",
         );
     }
     is_blue_raven(log).then_some(
-        "CSV of a Featherweight Blue Raven: it has no receiver; with the altitude of one that flew along in a column named gps_alt_m, it is a \
-         table for 'pylon import TABLE --guess'",
+        "CSV of a Featherweight Blue Raven: it has no receiver; add the altitude of one that flew along as a column \
+         gps_alt_m, then 'pylon import TABLE --guess' reads it",
     )
 }
 

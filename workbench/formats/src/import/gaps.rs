@@ -50,7 +50,7 @@ pub fn note(flight: &Flight) -> Option<Note> {
             "nothing was recorded for {longest_s:.0} s ({share} of the log), from {from_s:.0} s to {until_s:.0} s"
         ))),
         _ => Some(Note::new(format!(
-            "nothing was recorded {count} times, for {missing_s:.0} s together ({share} of the log); the longest gap is from {from_s:.0} s to \
+            "nothing was recorded {count} times, for {missing_s:.0} s in total ({share} of the log); the longest gap is from {from_s:.0} s to \
              {until_s:.0} s"
         ))),
     }
@@ -73,7 +73,7 @@ mod tests {
     fn a_gap_of_hours_is_said_with_its_place_and_share() {
         let words = "nothing was recorded for 18000 s (99 % of the log), from 99 s to 18099 s";
         assert_eq!(said(seconds(0, 100).chain(seconds(18_099, 18_199))).unwrap(), words);
-        let words = "nothing was recorded 2 times, for 81 s together (45 % of the log); the longest gap is from 49 s to 100 s";
+        let words = "nothing was recorded 2 times, for 81 s in total (45 % of the log); the longest gap is from 49 s to 100 s";
         let twice = seconds(0, 50).chain(seconds(100, 140)).chain(seconds(169, 182));
         assert_eq!(said(twice).unwrap(), words);
     }

@@ -46,7 +46,7 @@ impl Importer for Mcap {
         }
         if reader.unread > 0 {
             notes.push(Note::new(format!(
-                "messages that are no row of a flight, left out: {} of {}",
+                "messages that are not rows of a flight, left out: {} of {}",
                 reader.unread, reader.messages
             )));
         }
@@ -74,7 +74,7 @@ fn records(mut bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Reco
             continue;
         }
         if !has_its_texts(kind, body) {
-            damage.push("a record says that it has longer texts than it has".to_owned());
+            damage.push("a record's texts are longer than the record".to_owned());
             continue;
         }
         match parse_record(kind, body) {
@@ -114,7 +114,7 @@ fn all_records(bytes: &[u8], damage: &mut Vec<String>, take: &mut dyn FnMut(Reco
     let mut of_chunks = Vec::new();
     records(bytes, damage, &mut |record| match record {
         Record::Chunk { header, .. } if !header.compression.is_empty() => {
-            of_chunks.push("a chunk is compressed, which pylon does to none".to_owned());
+            of_chunks.push("a chunk is compressed, which Pylon's never are".to_owned());
         }
         Record::Chunk { header, data } => {
             let expected = header.uncompressed_crc;
@@ -227,7 +227,7 @@ mod tests {
         let pair = [&name[..], &name].concat();
         let whole = [&name[..], &(pair.len() as u32).to_le_bytes(), &pair].concat();
         assert_eq!(said(op::METADATA, &whole), (String::new(), 1));
-        let refused = ("a record says that it has longer texts than it has".to_owned(), 0);
+        let refused = ("a record's texts are longer than the record".to_owned(), 0);
         assert_eq!(said(op::METADATA, &longer), refused);
         assert_eq!(said(op::METADATA, &[&name[..], &longer].concat()), refused);
         let within = [&name[..], &8_u32.to_le_bytes(), &longer, &longer].concat();

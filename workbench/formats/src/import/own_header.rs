@@ -33,7 +33,7 @@ pub fn put_column(flight: &mut Flight, name: &str, column: Column) -> Option<Not
     let is_slip = unit_slip(name).is_some_and(|known| !has(known));
     let is_name = !name.is_empty() && name.trim() == name && !name.contains(char::is_control);
     if !is_name || is_taken || is_slip {
-        let what = if is_taken { "is there twice" } else { "has a name that no column of a flight has" };
+        let what = if is_taken { "occurs twice" } else { "has a name that no column of a flight has" };
         let shown: String = name.chars().take(40).filter(|letter| !letter.is_control()).collect();
         return Some(Note::new(format!("damaged: column '{shown}' {what}, left out")));
     }

@@ -67,9 +67,9 @@ pub fn sentence(used: (&str, &mut [(u64, f64)]), other: (&str, usize, &[(u64, f6
     let share = |percent: usize| apart_m.get((apart_m.len().saturating_sub(1)) * percent / 100).copied();
     let apart = match [2, 50, 98].map(share) {
         [Some(least), Some(middle), Some(most)] if apart_m.len() >= LEAST_COMMON => format!(
-            "its altitude is {middle:+.1} m from the other's in the middle, and {least:+.1} to {most:+.1} m in 96 of 100 fixes"
+            "its altitude differs from the other's by {middle:+.1} m in the median, and by {least:+.1} to {most:+.1} m in 96 of 100 fixes"
         ),
-        _ => "it has too few fixes beside the other's to say how far they are apart".to_owned(),
+        _ => "it has too few fixes in common with the other to compare their altitudes".to_owned(),
     };
     format!(
         "several receivers: {used_name}, with {} 3D fixes, is the reference; {name}, with {}, is kept as gps_{number}_alt_m and \

@@ -180,8 +180,8 @@ pub fn notes(flight: &Flight) -> Vec<Note> {
         .map(|Contradiction { velocity, position, correlation, windows }| {
             Note::new(format!(
                 "{velocity} runs against {position}: over {windows} windows of {WINDOW_S:.0} s its integral and the change of \
-                 {position} correlate by {correlation:+.2}, as if its sign were turned; it is used as it stands, and turned by \
-                 'pylon import LOG --turn {velocity} -o FLIGHT'"
+                 {position} correlate by {correlation:+.2}, as if its sign were reversed; it is used unchanged, and \
+                 'pylon import LOG --turn {velocity} -o FLIGHT' reverses it"
             ))
         })
         .collect()

@@ -111,7 +111,7 @@ pub fn believe_paced<'a>(
     let mut notes = Vec::new();
     if restarts > 0 {
         notes.push(format!(
-            "the autopilot's clock started anew within the log ({restarts}x): the longest stretch is used; messages of the \
+            "the autopilot's clock restarted within the log ({restarts}x): the longest stretch is used; messages of the \
              others, left out: {of_other_runs} ({})",
             percent(of_other_runs, known.len())
         ));

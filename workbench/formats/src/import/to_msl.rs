@@ -30,7 +30,7 @@ impl FromStr for ToMsl {
         let found = metres.trim().parse().ok().filter(|metres| GEOID_HEIGHTS_M.contains(metres));
         let geoid_height_m = found.ok_or_else(|| {
             format!(
-                "'{metres}', expected by how many metres the geoid is above the ellipsoid there: from {} to {} anywhere on Earth",
+                "'{metres}', expected the metres by which the geoid is above the ellipsoid there, from {} to {} anywhere on Earth",
                 GEOID_HEIGHTS_M.start(),
                 GEOID_HEIGHTS_M.end()
             )

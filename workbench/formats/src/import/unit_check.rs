@@ -69,13 +69,13 @@ fn of_column(channel: Channel, column: &Column) -> Option<String> {
     let others: Vec<&str> =
         quantity.units().skip(1).filter(|unit| fits(unit)).map(|unit| unit.name).collect();
     let meant = if others.is_empty() {
-        "in no unit that is known would they be".to_owned()
+        "they would be in no known unit".to_owned()
     } else {
-        format!("in {} they would be", others.join(" or "))
+        format!("they would be in {}", others.join(" or "))
     };
     Some(format!(
         "{}: values from {} to {} are not plausible in {own}; {meant}. Nothing is converted: write them in {own}, or read the \
-         table by a mapping that says their unit",
+         table with a mapping that gives their unit",
         channel.name(),
         low as f32,
         high as f32
@@ -127,7 +127,7 @@ fn of_altitudes(flight: &Flight) -> Option<String> {
     };
     Some(format!(
         "gps_alt_m changes {slope:.2} times as much as {baro}: {name} looks like {}, not metres. Nothing is converted: write it in m, \
-         or read the table by a mapping that says its unit",
+         or read the table with a mapping that gives its unit",
         unit.name
     ))
 }
@@ -153,11 +153,11 @@ mod tests {
     #[test]
     fn values_that_contradict_their_unit_are_said_with_the_one_that_fits() {
         let hectopascals = said("gps_alt_m,baro_pa", |m| format!("{m},{}", pressure_pa(m) / 100.0));
-        let words = "are not plausible in Pa; in hPa they would be.";
+        let words = "are not plausible in Pa; they would be in hPa.";
         assert!(hectopascals.len() == 1 && hectopascals[0].contains(words), "{hectopascals:?}");
         let degrees = said("gps_alt_m,baro_alt_m,yaw_rad", |m| format!("{m},{m},{}", m % 360.0));
         assert!(degrees.len() == 1 && degrees[0].starts_with("yaw_rad: values from "), "{degrees:?}");
-        assert!(degrees[0].contains("in deg or mrad or cdeg they would be"), "{degrees:?}");
+        assert!(degrees[0].contains("they would be in deg or mrad or cdeg"), "{degrees:?}");
         let kelvin = said("gps_alt_m,baro_alt_m,baro_temp_c", |m| format!("{m},{m},288.15"));
         assert!(kelvin.len() == 1 && kelvin[0].contains("not plausible in C; in K"), "{kelvin:?}");
     }

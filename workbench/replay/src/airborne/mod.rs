@@ -52,7 +52,7 @@ impl AirborneInterval {
 
 /// All times in the air of a log.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outings {
+pub struct AirborneIntervals {
     /// In order of time; none for a log that never leaves the ground, or never moves enough to detect it.
     pub airborne: Vec<AirborneInterval>,
     /// Source of the heights; `None` without any.
@@ -61,7 +61,7 @@ pub struct Outings {
     pub has_speed: bool,
 }
 
-impl Outings {
+impl AirborneIntervals {
     /// The longest of them, and its index.
     #[must_use]
     pub fn longest(&self) -> Option<(usize, AirborneInterval)> {
@@ -84,9 +84,9 @@ impl Outings {
 /// Finds the times in the air. Only time and one altitude are needed; a speed over ground makes it more
 /// reliable.
 #[must_use]
-pub fn find(flight: &Flight) -> Outings {
-    let Some(blocks) = blocks::Blocks::new(flight) else { return Outings::default() };
-    Outings {
+pub fn find(flight: &Flight) -> AirborneIntervals {
+    let Some(blocks) = blocks::Blocks::new(flight) else { return AirborneIntervals::default() };
+    AirborneIntervals {
         airborne: grouping::airborne(&blocks),
         heights: Some(blocks.heights),
         has_speed: blocks.has_speed(),

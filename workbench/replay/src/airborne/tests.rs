@@ -85,8 +85,8 @@ fn every_set_of_sensors_will_do() {
     assert_one(&without(&[GpsAltM, GpsVnMps, GpsVeMps]), 80.0, 680.0);
     assert_one(&without(&[BaroAltM]), 82.0, 678.0);
     assert_one(&without(&[GpsAltM]), 80.0, 680.0);
-    assert_eq!(find(&without(&[BaroAltM, GpsAltM])), Outings::default());
-    assert_eq!(find(&Flight::default()), Outings::default());
+    assert_eq!(find(&without(&[BaroAltM, GpsAltM])), AirborneIntervals::default());
+    assert_eq!(find(&Flight::default()), AirborneIntervals::default());
 }
 
 #[test]

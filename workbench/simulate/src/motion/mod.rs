@@ -81,7 +81,7 @@ impl TruthSample {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
     /// It flew below sea level.
-    #[error("the flight is below sea level at {time_s:.2} s: give it more altitude or less of a dive")]
+    #[error("the flight is below sea level at {time_s:.2} s: start higher, or dive less")]
     Ground {
         /// When it happened, s.
         time_s: f64,

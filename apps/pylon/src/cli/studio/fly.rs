@@ -20,7 +20,7 @@ pub struct Flying {
 #[derive(Debug, Error)]
 pub enum NotFlown {
     /// Another flight is in progress.
-    #[error("another flight is flying")]
+    #[error("another flight is in progress")]
     Busy,
     /// The model cannot be used.
     #[error(transparent)]
@@ -60,7 +60,7 @@ impl Flying {
                     .lines()
                     .rev()
                     .find(|line| !line.trim().is_empty())
-                    .unwrap_or("it ended without a word");
+                    .unwrap_or("it ended without a message");
                 Err(NotFlown::Failed(last.strip_prefix("error: ").unwrap_or(last).to_owned()))
             }
         }

@@ -23,13 +23,13 @@ use server::{Server, check_threads};
 const EXAMPLES: &str = "\
 Examples:
   pylon studio
-      open the studio in a browser; flights are dropped on its page
+      open the studio in a browser; drop flights onto its page
   pylon studio flight.ulg --model ours.toml
       with a flight opened, and a model that the page's Save may write
   pylon studio logs/ --port 8040 --no-browser
-      every log of a folder, at a port of one's own; the address is printed
+      every log of a folder, on a given port; the address is printed
 
-The page works in the browser alone: no byte leaves this machine, and nobody but this machine is served. Ctrl-C ends it.";
+The page runs entirely in the browser: no data leaves this machine, and only this machine is served. Ctrl-C ends it.";
 
 /// Show flights and their models in a browser: the cause, what an effect would change, and the error falling
 #[derive(Debug, Args)]
@@ -63,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let server = Server::bind(arguments.port, page, logs.files, model)?;
     terminal::put(&format!("{}\n", server.address()))?;
     // If standard error is closed, there is nowhere to report this.
-    let _ = writeln!(std::io::stderr(), "the studio is at that address until this is interrupted (Ctrl-C)");
+    let _ = writeln!(std::io::stderr(), "the studio stays at that address until interrupted (Ctrl-C)");
     if !arguments.no_browser {
         open_browser(server.address());
     }
@@ -103,7 +103,7 @@ fn open_browser(address: &str) {
     if started.is_err() {
         let _ = writeln!(
             std::io::stderr(),
-            "note: {program} is not there to open a browser: open the address in one"
+            "note: {program} could not be started: open the address in a browser"
         );
     }
 }

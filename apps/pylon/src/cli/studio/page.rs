@@ -29,7 +29,7 @@ pub fn page() -> Result<String, Failure> {
 fn read(file: &Path) -> Result<String, Failure> {
     fs::read_to_string(file).map_err(|error| {
         Failure::input(format!(
-            "{}: the studio's page cannot be read: {error}; `cargo xtask site` builds it in the checkout, and {VARIABLE} names it",
+            "{}: the studio's page cannot be read: {error}; build it with `cargo xtask site` in the checkout, or set {VARIABLE} to a built page",
             file.display()
         ))
     })
@@ -39,17 +39,17 @@ fn read(file: &Path) -> Result<String, Failure> {
 fn build(checkout: &Path) -> Result<(), Failure> {
     if !checkout.join("xtask").is_dir() {
         return Err(Failure::input(format!(
-            "the studio's page is built by `cargo xtask site` in the checkout, which is not in {} any more; {VARIABLE} names a \
-             page that is built already",
+            "the studio's page is built by `cargo xtask site` in the checkout, which is no longer at {}; set {VARIABLE} to a \
+             page that is already built",
             checkout.display()
         )));
     }
     let mut cargo = Command::new("cargo");
     cargo.args(["xtask", "site"]).current_dir(checkout).stdin(Stdio::null());
-    let output = while_busy("building the studio's page, once (some minutes)", || cargo.output());
+    let output = while_busy("building the studio's page, once (takes some minutes)", || cargo.output());
     let output = output.map_err(|error| {
         Failure::input(format!(
-            "cargo could not be started to build the studio's page ({error}): `cargo xtask site` does"
+            "cargo could not be started to build the studio's page ({error}): run `cargo xtask site`"
         ))
     })?;
     if output.status.success() {

@@ -90,14 +90,13 @@ impl Server {
         logs: Vec<PathBuf>,
         model: Option<ModelFile>,
     ) -> Result<Self, Failure> {
-        let http =
-            tiny_http::Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(|error| {
-                Failure::input(format!("port {port} of this machine cannot be listened at: {error}"))
-            })?;
+        let http = tiny_http::Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port)))
+            .map_err(|error| Failure::input(format!("cannot listen on port {port}: {error}")))?;
         let address =
             http.server_addr().to_ip().ok_or_else(|| Failure::input("the server has no address"))?;
-        let guard = Guard::new(address)
-            .map_err(|error| Failure::input(format!("the system gives no random token: {error}")))?;
+        let guard = Guard::new(address).map_err(|error| {
+            Failure::input(format!("the system could not generate a random token: {error}"))
+        })?;
         let token = guard.token();
         // The policy comes first in the page. The same words in its script must stay, or the script's hash
         // changes.
@@ -123,7 +122,7 @@ impl Server {
     pub fn serve(self) -> Result<(), Failure> {
         loop {
             let request =
-                self.http.recv().map_err(|error| Failure::input(format!("the server ended: {error}")))?;
+                self.http.recv().map_err(|error| Failure::input(format!("the server stopped: {error}")))?;
             let served = Arc::clone(&self.served);
             let waiting = Arc::new(Mutex::new(Some(request)));
             let answer = {
@@ -162,11 +161,11 @@ impl Served {
     fn answer(&self, mut request: Request) {
         let answer = match self.guard.check(&request) {
             Ok(()) => self.found(&mut request),
-            Err(Refusal::Host) => Answer::plain(403, "this is the studio of another host"),
-            Err(Refusal::Origin) => Answer::plain(403, "this studio answers its own page only"),
+            Err(Refusal::Host) => Answer::plain(403, "the request was addressed to another host"),
+            Err(Refusal::Origin) => Answer::plain(403, "this studio answers only its own page"),
             Err(Refusal::Token) => Answer::plain(
                 403,
-                "the token is missing or of an earlier start: use the address that `pylon studio` printed",
+                "the token is missing or from an earlier run: use the address that `pylon studio` printed",
             ),
         };
         // It is no error if the page was closed in the meantime.
@@ -187,15 +186,15 @@ impl Served {
             (Method::Post, path) => match path.strip_prefix("/api/fly/").and_then(|place| place.parse().ok())
             {
                 Some(place) => self.fly(place, request),
-                None => Answer::plain(404, "there is nothing here"),
+                None => Answer::plain(404, "there is no such page"),
             },
             (Method::Get, path) => {
                 match path.strip_prefix("/api/flight/").and_then(|place| place.parse().ok()) {
                     Some(place) => self.log(place),
-                    None => Answer::plain(404, "there is nothing here"),
+                    None => Answer::plain(404, "there is no such page"),
                 }
             }
-            _ => Answer::plain(405, "nothing here is changed that way"),
+            _ => Answer::plain(405, "this request method is not supported here"),
         }
     }
 
@@ -212,7 +211,7 @@ impl Served {
     }
 
     fn log(&self, place: usize) -> Answer {
-        let Some(file) = self.logs.get(place) else { return Answer::plain(404, "no such flight was named") };
+        let Some(file) = self.logs.get(place) else { return Answer::plain(404, "there is no such flight") };
         match File::open(file) {
             Ok(log) => Answer { status: 200, media: "application/octet-stream", body: Body::File(log) },
             Err(error) => Answer::plain(500, &format!("{}: cannot be read: {error}", file.display())),
@@ -221,7 +220,7 @@ impl Served {
 
     /// Flies a named flight in the emulator, with the model in the request.
     fn fly(&self, place: usize, request: &mut Request) -> Answer {
-        let Some(log) = self.logs.get(place) else { return Answer::plain(404, "no such flight was named") };
+        let Some(log) = self.logs.get(place) else { return Answer::plain(404, "there is no such flight") };
         let times = match times(request.url()) {
             Ok(times) => times,
             Err(why) => return Answer::plain(400, &why),
@@ -243,7 +242,7 @@ impl Served {
         };
         let Some(version) = header(request, "If-Match").map(|value| value.trim_matches('"').to_owned())
         else {
-            return Answer::plain(428, "which version of the model is to be replaced?");
+            return Answer::plain(428, "the request does not name the version of the model to replace");
         };
         let text = match model_text(request) {
             Ok(text) => text,
@@ -271,7 +270,11 @@ fn times(url: &str) -> Result<GivenTimes, String> {
             Some(("airborne", airborne)) => {
                 times.airborne = Some(airborne.parse().map_err(|error: AirborneError| error.to_string())?);
             }
-            _ => return Err(format!("'{part}' says nothing of a flight's times")),
+            _ => {
+                return Err(format!(
+                    "'{part}' is not a time option; expected calibrate=A..B or airborne=A..B"
+                ));
+            }
         }
     }
     Ok(times)
@@ -281,7 +284,7 @@ fn times(url: &str) -> Result<GivenTimes, String> {
 fn model_text(request: &mut Request) -> Result<String, Answer> {
     let mut text = String::new();
     match request.as_reader().take(LONGEST_MODEL + 1).read_to_string(&mut text) {
-        Ok(_) if text.len() as u64 > LONGEST_MODEL => Err(Answer::plain(413, "that is too long for a model")),
+        Ok(_) if text.len() as u64 > LONGEST_MODEL => Err(Answer::plain(413, "the model is too long")),
         Ok(_) => Ok(text),
         Err(error) => Err(Answer::plain(400, &format!("the model could not be received: {error}"))),
     }

@@ -45,7 +45,7 @@
   const KEY = "pylon-report-colours";
   const button = document.getElementById("theme");
   const THEMES = {
-    auto: { scheme: "light dark", text: "◐ auto", label: "◐ auto: colours as the system has them" },
+    auto: { scheme: "light dark", text: "◐ auto", label: "◐ auto: the system's colours" },
     light: { scheme: "light", text: "☀ light", label: "☀ light: colours" },
     dark: { scheme: "dark", text: "☾ dark", label: "☾ dark: colours" },
   };

@@ -20,13 +20,13 @@ pub(super) fn section(report: &FlightReport) -> Markup {
         .collect();
     html! {
         section {
-            h3 { "Calibration, and what became of it" }
+            h3 { "Calibration and its outcome" }
             p {
                 @match &calibration.quality {
                     Some(quality) => { "Calibration: " b { (quality) } ", " (seconds(calibration.duration_s)) " long. " }
                     None => "Nothing was latched. ",
                 }
-                "What decided when it ended: " (calibration.source) "."
+                "Its end was decided by: " (calibration.source) "."
             }
             @if !calibration.failed_checks.is_empty() {
                 ul.failed {
@@ -53,7 +53,7 @@ fn table(
         [format!("used, before and after {event}"), format!("seconds after {event}")];
     type Value = fn(&SensorComparison) -> String;
     let captive: [(&str, &str, Value); 5] = [
-        ("bias", "what is taken off its readings, and how sure the filter is of it", |s| {
+        ("bias", "what is subtracted from its readings, and the filter's uncertainty", |s| {
             with_sigma_m(s.bias_m, s.bias_sigma_m)
         }),
         ("spread of the residual", "one standard deviation of what is left", |s| metres(s.residual_sigma_m)),

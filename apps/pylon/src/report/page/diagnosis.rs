@@ -47,7 +47,7 @@ fn of_sensor(name: &str, sensor: &SensorDiagnosis) -> Markup {
                 ul { @for id in &sensor.missing { li { (effect(id)) (sure(sensor, id)) } } }
             }
             @for (set, probabilities) in sensor.indistinguishable.iter().zip(&sensor.probabilities) {
-                p { "One of these is missing, and the flights can't tell which; most probable first:" }
+                p { "One of these is missing, and the flights cannot show which; most probable first:" }
                 ul.group { @for (id, probability) in set.iter().zip(probabilities) { li { (effect(id)) ", " (per_cent(*probability)) } } }
             }
             @for follows in &sensor.follows {
@@ -128,13 +128,13 @@ fn verdict(sensor: &SensorDiagnosis, candidate: &CandidateFacts) -> String {
     let rivals = sensor.indistinguishable.iter().find(|set| set.contains(&candidate.effect));
     if let Some(set) = rivals {
         let others: Vec<&str> = set.iter().map(|id| &**id).filter(|id| *id != candidate.effect).collect();
-        return format!("can't be told from {}", others.join(", "));
+        return format!("indistinguishable from {}", others.join(", "));
     }
     if sensor.missing.contains(&candidate.effect) {
         return "missing from the model".to_owned();
     }
     let word = match (candidate.chosen, candidate.p_value > NO_SIGN) {
-        (true, _) => "part of what fits best, not sure enough to be named",
+        (true, _) => "part of the best fit, not certain enough to be named",
         (false, true) => "no sign of it",
         (false, false) => "not strong enough to be named",
     };
@@ -227,9 +227,9 @@ mod tests {
         };
         for (row, words) in sensor.candidates.iter().zip([
             "missing from the model",
-            "can't be told from baro.acceleration",
-            "can't be told from baro.angle_of_attack",
-            "part of what fits best, not sure enough to be named",
+            "indistinguishable from baro.acceleration",
+            "indistinguishable from baro.angle_of_attack",
+            "part of the best fit, not certain enough to be named",
             "not strong enough to be named",
             "no sign of it",
         ]) {
@@ -238,7 +238,7 @@ mod tests {
         let page = of_sensor("baro", &sensor).into_string();
         for text in [
             "finding indistinguishable",
-            "the flights can't tell which",
+            "the flights cannot show which",
             "fly a level speed sweep",
             "&lt;flap&gt;",
             "+0.50 ± 0.10 s",

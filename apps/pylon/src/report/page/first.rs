@@ -48,7 +48,7 @@ fn caption(flight: &FlightReport, chart: &Chart) -> String {
     let Words { event, .. } = flight.comparison.words();
     let file = file_name(&flight.comparison.flight.file);
     if flight.free_flight.is_empty() {
-        format!("{file}: what was left of {sensor}")
+        format!("{file}: the residual of {sensor}")
     } else {
         format!("{file}: the error of {sensor} after {event}")
     }

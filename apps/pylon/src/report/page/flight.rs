@@ -69,13 +69,13 @@ pub(super) fn section(report: &FlightReport) -> Markup {
             ))
             (figure(
                 &format!("Figure 3: what was left over in {before}"),
-                "Residuals: readings minus what the filter expected. They should look like noise about zero. A slow wave means \
-                 that something is correlated which the model says is not.",
+                "Residuals: readings minus the filter's predictions. They should look like noise about zero. A slow wave means \
+                 that something is correlated that the model treats as independent.",
                 &report.residuals,
             ))
             (figure(
                 &format!("Figure 4: errors after {event}"),
-                &format!("Each sensor's error after {event}, by its calibration. Doubtful: the error has passed the bound once. \
+                &format!("Each sensor's error after {event}, by its calibration. Doubtful: the error has exceeded the alarm limit once. \
                  Untrustworthy: after that, its moving average has too."),
                 &report.free_flight,
             ))

@@ -14,7 +14,7 @@ const WORDS: &[(&str, &str)] = &[
         "the UAV hangs under its mother ship, leaves it, and flies by itself.",
     ),
     ("settling", "the first seconds of captive flight, which are ignored."),
-    ("bias", "a constant error; it is estimated in captive flight and taken off in free flight."),
+    ("bias", "a constant error; it is estimated in captive flight and subtracted in free flight."),
     ("latch", "at launch the calibration is copied once and never changed again."),
     ("residual, error", "what a sensor read minus what the model says it should have read, in metres."),
     ("sigma", "one standard deviation: two thirds of all errors are smaller, if they are Gaussian."),
@@ -29,10 +29,10 @@ const WORDS: &[(&str, &str)] = &[
         "effect",
         "a physical cause that adds a coefficient times something measured (its regressor) to what a sensor reads.",
     ),
-    ("revision", "a change of the model: an effect that was learned, or learned anew."),
+    ("revision", "a change of the model: an effect that was learned, or learned again."),
     (
         "identified, indistinguishable, unknown effect",
-        "one effect explains the misfit; several could, and these flights can't tell which; none of the catalogue does.",
+        "one effect explains the misfit; several could, and these flights cannot show which; nothing in the catalogue does.",
     ),
     ("held out", "judged on data that the coefficient was not learned from."),
 ];

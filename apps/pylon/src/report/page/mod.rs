@@ -107,7 +107,7 @@ fn header(report: &Report<'_>, title: &str) -> Markup {
                 }
                 a href="#words" { "Words" }
             }
-            button #theme type="button" aria-label="◐ auto: colours as the system has them" { "◐ auto" }
+            button #theme type="button" aria-label="◐ auto: the system's colours" { "◐ auto" }
         }
     }
 }
@@ -134,12 +134,12 @@ fn opening(report: &Report<'_>) -> Markup {
             p {
                 @if is_launched {
                     "A UAV hangs under its mother ship's pylon until it is launched. While it hangs there, Pylon compares its \
-                     altitude sensors with gps and learns what is wrong with them. From launch on it takes that off, "
+                     altitude sensors with gps and learns what is wrong with them. From launch on it subtracts these errors, "
                 } @else {
                     "On one quiet stretch of a flight Pylon compares its altitude sensors with gps and learns what is wrong with \
-                     them. From then on it takes that off, "
+                     them. From then on it subtracts these errors, "
                 }
-                "watches the sensors, and says when one is not to be trusted any more. This page says how well the model "
+                "watches the sensors, and reports when one can no longer be trusted. This page shows how well the model "
                 b { (report.model_name) }
                 " described "
                 @if report.flights.len() == 1 { "one flight" } @else { (report.flights.len()) " flights" }
@@ -152,7 +152,7 @@ fn opening(report: &Report<'_>) -> Markup {
 fn footer() -> Markup {
     html! {
         footer {
-            p { "Made by pylon " (env!("CARGO_PKG_VERSION")) ". Everything is in this file; it asks for nothing from a network." }
+            p { "Made by pylon " (env!("CARGO_PKG_VERSION")) ". Everything is in this file; it loads nothing from a network." }
             details {
                 summary { "The diagrams are drawn by uPlot, under this licence" }
                 pre { (UPLOT_LICENCE) }

@@ -18,8 +18,8 @@ pub(super) fn section(report: &FlightReport) -> Markup {
                 p {
                     "Each dot is the mean error of a short stretch of "
                     @if captive { "captive" } @else { "free" }
-                    " flight; the line is the mean of the dots near it, the band their spread. A flat line says that the error does not \
-                     go with that signal. One that is not flat is a hint and not yet a cause: signals change together in a \
+                    " flight; the line is the mean of the dots near it, the band their spread. A flat line means that the error does not \
+                     depend on that signal. One that is not flat is a hint, not yet a cause: signals change together in a \
                      manoeuvre, and a slowly wandering gps can look like anything."
                 }
                 @for found in &report.dependences { (of_sensor(found)) }
@@ -40,7 +40,7 @@ fn of_sensor(found: &SensorDependences) -> Markup {
     };
     html! {
         h4 { (found.sensor) }
-        p.hint { "Stretches of " (format!("{:.1} s", found.block_s)) ", the signals that say most first." }
+        p.hint { "Stretches of " (format!("{:.1} s", found.block_s)) ", the most informative signals first." }
         div.grid { @for one in shown { (card(one)) } }
         @if !rest.is_empty() {
             details {

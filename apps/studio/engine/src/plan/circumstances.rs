@@ -52,7 +52,7 @@ impl Circumstances {
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = vec![
             "Flown by a simulated fixed-wing aircraft that trims at this speed, in calm air. Terrain, airspace and the limits of your \
-             own aircraft are not in it."
+             own aircraft are not considered."
                 .to_owned(),
         ];
         if !self.is_speed_known {

@@ -86,13 +86,13 @@ fn further(
         return Ok(found);
     }
     if request.flights.is_empty() {
-        return Err(refused("no flight to learn from: a plan adds to what flights tell"));
+        return Err(refused("no flight to learn from: a plan builds on recorded flights"));
     }
     let learned = to_diagnose(engine, &request.flights, &request.model, &request.times)?;
     let held = to_diagnose(engine, &request.hold_outs, &request.model, &request.times)?;
     let found = diagnose_further(&learned, &held, &mut counting("diagnosing", progress), engine.executor);
     let further =
-        found.map_err(refused)?.1.ok_or_else(|| refused("these flights tell nothing to plan on"))?;
+        found.map_err(refused)?.1.ok_or_else(|| refused("these flights give no basis for a plan"))?;
     Ok(engine.keep_further(key, further))
 }
 

@@ -15,7 +15,7 @@ const WING_M2: f64 = 0.8;
 pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
     let FlightPlan { speed_mps, altitude_m, calibration_s, .. } = plan;
     let mut text = format!(
-        "# Planned in Pylon's studio. `pylon simulate` flies it; nobody has yet.\n\
+        "# Planned in Pylon's studio. `pylon simulate` flies it; it has not been flown yet.\n\
          name = \"next-flight\"\n\
          source = \"a planned flight, simulated\"\n\
          rate_hz = {ROWS_HZ:?}\n\
@@ -30,7 +30,7 @@ pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
          altitude_m = {altitude_m:?}\n\
          airspeed_mps = {speed_mps:?}\n\
          \n\
-         # As often as the flights that it is planned on have their samples.\n\
+         # The sampling rates of the flights that the plan is based on.\n\
          [sensors.gps.sampling]\n\
          rate_hz = {gps:?}\n\
          \n\

@@ -114,7 +114,7 @@ function title(effect: string): string {
 }
 
 function SetBox({ set }: { readonly set: ReadonlyArray<string> }): JSX.Element {
-  return <p class="box set"><b>One of these acts; these flights can't tell which:</b> {set.map(title).join(", ")}.</p>;
+  return <p class="box set"><b>One of these acts; these flights cannot show which:</b> {set.map(title).join(", ")}.</p>;
 }
 
 function EffectRow({ row, most }: { readonly row: Row; readonly most: number }): JSX.Element {

@@ -31,7 +31,11 @@ impl Judge<'_> {
                     unseen.iter().take(4).map(|column| self.candidates[*column].effect().name()).collect();
                 let found = advice::to_see(self.problem, noise, self.candidates, &unseen, &trim);
                 found.map_or_else(String::new, |advice| {
-                    format!("This flight could not show {} ... Fly {}.", names.join(", "), advice.manoeuvre)
+                    format!(
+                        "This flight could not show effects such as {}. Fly {}.",
+                        names.join(", "),
+                        advice.manoeuvre
+                    )
                 })
             }
             Verdict::UnknownEffect if self.beyond(findings, subject).is_some() => {
@@ -57,7 +61,7 @@ impl Judge<'_> {
         });
         match slow.filter(|_| findings.posterior.is_some() && !has_temperature) {
             Some(slow) => format!(
-                " No column has the barometer's temperature (baro_temp_c): one that moves as {} does would look the same.",
+                " No column has the barometer's temperature (baro_temp_c): a temperature that moves like {} would look the same.",
                 slow.name()
             ),
             None => String::new(),
@@ -76,7 +80,7 @@ impl Judge<'_> {
         let [least, most] = effect.plausible();
         let unit = if effect.unit() == "1" { String::new() } else { format!(" {}", effect.unit()) };
         Some(format!(
-            "What fits best is {} of {:+.3}{unit}, and nature makes {least} to {most}{unit} of it: look for another cause, such as a \
+            "The best fit is {} of {:+.3}{unit}, but its plausible range is {least} to {most}{unit}: look for another cause, such as a \
              wrong clock, setting or unit.",
             effect.name(),
             solution.coefficients[k],
@@ -139,7 +143,7 @@ impl Judge<'_> {
             });
             let names: Vec<&str> = set.iter().map(|effect| effect.name()).collect();
             let unseparated = if is_lift {
-                " No manoeuvre separates them: lift makes the one of the other, and a vane answers later than an accelerometer."
+                " No manoeuvre separates them: lift couples one to the other, and a vane responds later than an accelerometer."
             } else {
                 ""
             };

@@ -86,12 +86,12 @@ impl Judge<'_> {
         diagnosis.candidates = self.candidate_facts(findings, subject);
         if findings.posterior.is_none() {
             // A place whose verdict is an unknown effect, or nothing, has no probability.
-            let is_said = |effect: &Name| {
+            let is_reported = |effect: &Name| {
                 diagnosis.missing.contains(effect)
                     || diagnosis.indistinguishable.iter().any(|set| set.contains(effect))
             };
             for candidate in &mut diagnosis.candidates {
-                candidate.probability = candidate.probability.filter(|_| is_said(&candidate.effect));
+                candidate.probability = candidate.probability.filter(|_| is_reported(&candidate.effect));
             }
         }
         let size_m = places.strongest.map_or(0.0, |(size_m, _)| size_m.max(0.0));

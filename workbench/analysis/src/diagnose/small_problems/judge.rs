@@ -98,7 +98,7 @@ fn a_load_factor_that_fits_better_is_a_set_with_the_angle_of_attack() {
     let found = lift(5, |block| 4.0 * (sine(2, block) + sine(3, block)));
     assert_eq!(found.verdict, Verdict::Indistinguishable);
     assert_eq!(found.indistinguishable, [["baro.acceleration", "baro.angle_of_attack"]]);
-    assert!(found.advice.contains("No manoeuvre separates them: lift makes"), "{}", found.advice);
+    assert!(found.advice.contains("No manoeuvre separates them: lift couples"), "{}", found.advice);
 }
 
 /// The angle's better fit, though, is evidence against the load factor.

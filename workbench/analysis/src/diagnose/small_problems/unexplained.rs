@@ -79,7 +79,7 @@ fn a_signal_can_be_better_than_what_was_chosen() {
 fn a_jump_is_found_where_it_is_unless_it_may_be_the_receivers() {
     let small = Small::new(BLOCKS, 14).error(|block| if block >= 220 { 4.0 } else { 0.0 });
     let found = rest(&small, &[], &[], 0.0, TOGETHER);
-    assert_eq!(found.follows[0].signal, "a jump at 220 s that stays");
+    assert_eq!(found.follows[0].signal, "a lasting jump at 220 s");
     let alone = rest(&small, &[], &[], 0.0, ALONE);
     assert!(alone.follows.iter().all(|follows| !follows.signal.contains("jump")), "{alone:?}");
 }

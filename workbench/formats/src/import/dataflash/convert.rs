@@ -74,7 +74,7 @@ pub fn convert(
     fix_notes(&receiver, &times_us, &mut first);
     first.append(&mut used_notes);
     for unit in &collected.other_units {
-        first.push(format!("{unit}, which is not what that field is elsewhere; left out"));
+        first.push(format!("{unit}, which is not that field's unit elsewhere; left out"));
     }
     if !doubled.is_empty() {
         first.push(format!(
@@ -83,7 +83,7 @@ pub fn convert(
         ));
     }
     for (count, what) in [
-        (collected.not_finite, "values that are no finite number, left out"),
+        (collected.not_finite, "values that are not finite, left out"),
         (collected.bad_instances, "messages of an instance that no autopilot has, left out"),
         (repeated, "values with the time of a later one of their kind, left out"),
     ] {

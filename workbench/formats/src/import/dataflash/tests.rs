@@ -342,7 +342,7 @@ fn a_second_receiver_is_kept_beside_the_one_with_most_fixes() {
             said(
                 &notes,
                 "receiver 1, with 25 3D fixes, is the reference; receiver 2, with 24, is kept as gps_2_alt_m"
-            ) && said(&notes, "is +4.0 m from the other's in the middle"),
+            ) && said(&notes, "differs from the other's by +4.0 m in the median"),
             "{notes:#?}"
         );
     }
@@ -471,7 +471,7 @@ fn units_that_contradict_a_field_leave_it_out() {
     let text = log.text.replace("s#mPO", "s#mmO");
     log.text = text;
     let (flight, notes) = import(log.text.as_bytes());
-    assert!(said(&notes, "BARO.Press is in m, which is not what that field is elsewhere"), "{notes:?}");
+    assert!(said(&notes, "BARO.Press is in m, which is not that field's unit elsewhere"), "{notes:?}");
     assert!(flight.channel(Channel::BaroPa).is_none());
 }
 
@@ -490,7 +490,7 @@ fn throttle_is_by_the_outputs_where_nothing_else_says_it() {
     }
     let (flight, notes) = import(&writer.binary);
     assert_eq!(samples(&flight, Channel::Throttle)[0], 0.25);
-    assert!(said(&notes, "throttle is by the throttle's output pulses"), "{notes:?}");
+    assert!(said(&notes, "throttle is from the throttle's output pulses"), "{notes:?}");
     // An output that never moves is not a signal.
     assert_eq!((signal(&flight, "output_1_us").len(), signal(&flight, "output_2_us").len()), (0, 20));
 }

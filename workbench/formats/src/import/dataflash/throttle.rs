@@ -50,6 +50,6 @@ pub fn from_outputs(collected: &Collected, fillings: &mut Vec<Filling<'_>>) -> O
         samples: Samples::Own(samples.collect()),
     });
     Some(format!(
-        "throttle is by the {what} output pulses (RCOU), from the least to the greatest of the parameters"
+        "throttle is from the {what} output pulses (RCOU), scaled by the parameters' minimum and maximum"
     ))
 }

@@ -41,7 +41,7 @@ impl Draft {
                 None if !is_number && cells.words >= filled => "has words, no numbers".to_owned(),
                 None if !is_number => "has times of day or dates".to_owned(),
                 None if board.is_constant(column) => "has the same value in every row".to_owned(),
-                None => "says nothing that its name, its values or physics would tell".to_owned(),
+                None => "could not be identified by its name, its values or physics".to_owned(),
             };
             let signal = is_number.then(|| own_name(table.name(column), &mut taken));
             unplaced.push((column, why, signal));
@@ -109,7 +109,7 @@ impl Draft {
         text += "\n";
         match &self.time {
             None => {
-                text += "# No column runs forward: without a time of its own, say how many rows there are a second.\n# [time]\n# \
+                text += "# No column runs forward: give the number of rows per second instead.\n# [time]\n# \
                          rate_hz = 100\n";
             }
             Some(time) => {
@@ -135,7 +135,7 @@ impl Draft {
             text += &comment(note);
         }
         if !self.unplaced.is_empty() {
-            text += "\n# Not placed. What is a number can be kept as a signal under a name of its own:\n";
+            text += "\n# Not placed. Numbers can be kept as signals under names of their own:\n";
         }
         for (column, why, signal) in &self.unplaced {
             text += &comment(&format!("{} {why}", self.quoted(*column)));

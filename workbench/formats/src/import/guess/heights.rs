@@ -72,7 +72,8 @@ fn pressure(board: &mut Board<'_>, column: usize) {
     let is_told_apart = units.len() > 1 && near.len() == 1;
     let chosen = if is_told_apart { near.first() } else { units.first() };
     let Some(unit) = chosen.copied() else {
-        let what = format!("its name says pressure, but about {usual:.4} is that of no aircraft in any unit");
+        let what =
+            format!("its name says pressure, but about {usual:.4} is not an aircraft's pressure in any unit");
         board.set_aside(column, what);
         return;
     };
@@ -85,9 +86,9 @@ fn pressure(board: &mut Board<'_>, column: usize) {
     let mut evidence =
         format!("{name}: its usual value {usual:.2} is an aircraft's pressure in {}", unit.name);
     if is_told_apart {
-        evidence += ", and only so at the altitude that another column says";
+        evidence += ", the only unit that agrees with another column's altitude";
     } else if candidates.len() > 1 {
-        evidence += &format!("; {} are as likely", candidates.join(" and "));
+        evidence += &format!("; {} are equally likely", candidates.join(" and "));
     }
     if let Some(named) = named.filter(|named| *named != unit.name) {
         evidence += &format!("; its name says {named}");
@@ -217,7 +218,7 @@ fn altitude(board: &mut Board<'_>, column: usize, destination: &str) {
             length.unit,
             length.is_sure,
             format!(
-                "{name} follows the barometer by the standard atmosphere, {:.3} of it for a metre (correlation {:.4}): {}{}",
+                "{name} follows the barometer by the standard atmosphere, {:.3} of it per metre (correlation {:.4}): {}{}",
                 line.slope,
                 line.correlation,
                 length.unit,
@@ -226,9 +227,9 @@ fn altitude(board: &mut Board<'_>, column: usize, destination: &str) {
         ),
         (None, Some(named)) => {
             let rest = if heights.is_empty() {
-                "no barometer to hold it against"
+                "no barometer to compare it with"
             } else {
-                "too little climb to check it by the barometer"
+                "too little climb to check it against the barometer"
             };
             (named, true, format!("{name}: its name says {named} ({rest})"))
         }
@@ -236,7 +237,7 @@ fn altitude(board: &mut Board<'_>, column: usize, destination: &str) {
             Some(unit) => {
                 (unit, true, format!("{name}: about {usual:.0}, the barometer's altitude only in {unit}"))
             }
-            None => ("m", false, format!("{name}: about {usual:.0}; nothing tells metres from feet")),
+            None => ("m", false, format!("{name}: about {usual:.0}; it may be metres or feet")),
         },
     };
     let is_made_of_pressure = by_slope.is_some_and(|(line, length)| {
@@ -248,7 +249,7 @@ fn altitude(board: &mut Board<'_>, column: usize, destination: &str) {
     });
     if is_made_of_pressure && destination != "gps_alt_m" {
         let what = format!(
-            "is made of the pressure in {}: no second sensor",
+            "is computed from the pressure in {}: not a second sensor",
             board.guess("baro_pa").map_or_else(String::new, |guess| board.quoted(guess.column))
         );
         board.set_aside(column, what);
@@ -256,26 +257,22 @@ fn altitude(board: &mut Board<'_>, column: usize, destination: &str) {
     }
     let moves_with_fix = board.moves_with_fix(column);
     let (destination, is_place_sure, place) = match destination {
-        "gps_alt_m" if is_made_of_pressure => (
-            destination,
-            false,
-            "but it has not the least error of its own: copied from the barometer?".to_owned(),
-        ),
-        "gps_alt_m" => (destination, true, "its name says the receiver's".to_owned()),
+        "gps_alt_m" if is_made_of_pressure => {
+            (destination, false, "but it has no error of its own: copied from the barometer?".to_owned())
+        }
+        "gps_alt_m" => (destination, true, "the receiver's, by its name".to_owned()),
         "baro_alt_m" if board.guess("baro_pa").is_some() => {
             board.set_aside(column, "is a barometer's altitude, and the barometer's pressure is used");
             return;
         }
         "" if moves_with_fix == Some(true) => {
-            ("gps_alt_m", true, "new whenever the position is: the receiver's".to_owned())
+            ("gps_alt_m", true, "it changes when the position does: the receiver's".to_owned())
         }
-        "" if heights.is_empty() && board.guess("gps_alt_m").is_some() => (
-            "baro_alt_m",
-            false,
-            "which sensor's it is can't be told: the receiver's is another one".to_owned(),
-        ),
-        "" => ("gps_alt_m", false, "which sensor's it is can't be told; not made of the pressure".to_owned()),
-        other => (other, true, "its name says whose".to_owned()),
+        "" if heights.is_empty() && board.guess("gps_alt_m").is_some() => {
+            ("baro_alt_m", false, "its sensor is unknown: another column is the receiver's".to_owned())
+        }
+        "" => ("gps_alt_m", false, "its sensor is unknown; not computed from the pressure".to_owned()),
+        other => (other, true, "its name gives the sensor".to_owned()),
     };
     if destination == "gps_alt_m" {
         let is_ellipsoid = hint.has(&["ellipsoid", "wgs84", "hae"]);

@@ -96,7 +96,7 @@ fn accelerations(board: &mut Board<'_>) -> Axes {
             1.0,
             named.is_none_or(|named| named == unit.name),
             format!(
-                "{names}: their length is {usual:.4} at the middle, one g in {}{}",
+                "{names}: their median length is {usual:.4}, one g in {}{}",
                 unit.name,
                 named.map_or_else(String::new, |named| if named == unit.name {
                     ", as the name says".to_owned()
@@ -109,24 +109,17 @@ fn accelerations(board: &mut Board<'_>) -> Axes {
             "g",
             1.0 / counts,
             true,
-            format!(
-                "{names}: their length is {usual:.0} at the middle, one g at {counts:.0} counts for each"
-            ),
+            format!("{names}: their median length is {usual:.0}, one g at {counts:.0} counts per g"),
         ),
         (None, Some(named)) => (
             named,
             1.0,
             false,
-            format!(
-                "{names}: the name says {named}, but their length is {usual:.4} at the middle, not one g"
-            ),
+            format!("{names}: the name says {named}, but their median length is {usual:.4}, not one g"),
         ),
-        (None, None) => (
-            "m/s2",
-            1.0,
-            false,
-            format!("{names}: their length is {usual:.4} at the middle, one g in no unit"),
-        ),
+        (None, None) => {
+            ("m/s2", 1.0, false, format!("{names}: their median length is {usual:.4}, one g in no unit"))
+        }
     };
     let axes = match z {
         z if z < -0.7 => Axes::Down,
@@ -136,20 +129,20 @@ fn accelerations(board: &mut Board<'_>) -> Axes {
     let signs = match axes {
         Axes::Down => {
             evidence +=
-                "; z shows -1 g: it looks down, as Pylon's does (that x looks forward, no value says)";
+                "; z shows -1 g: it points down, as Pylon's does (no value shows that x points forward)";
             [1.0; 3]
         }
         Axes::Up => {
             is_sure = false;
-            evidence += "; z shows +1 g: it looks up, and Pylon's looks down: if x looks forward and y to the left, y and z are to be \
-                         turned, as here";
+            evidence += "; z shows +1 g: it points up, but Pylon's points down: if x points forward and y to the left, y and z must \
+                         be reversed, as here";
             [1.0, -1.0, -1.0]
         }
         Axes::Other => {
             is_sure = false;
             evidence += &format!(
-                "; on the whole they show {x:+.2}, {y:+.2}, {z:+.2} g: neither z looks down, as Pylon's does. Say which axis is \
-                 forward, right and down"
+                "; on average they show {x:+.2}, {y:+.2}, {z:+.2} g: z does not point down, as Pylon's does. Give the axes that \
+                 point forward, right and down"
             );
             [1.0; 3]
         }
@@ -241,7 +234,7 @@ fn rates(board: &mut Board<'_>, axes: Axes) {
             rate.unit,
             rate.is_sure && (is_attitude_sure || rate.is_as_named == Some(true)),
             format!(
-                "{names}: the attitude turns by {:.4} rad for one of the first's integral (correlation {:+.2}): {}{}",
+                "{names}: the attitude turns by {:.4} rad per unit of the first's integral (correlation {:+.2}): {}{}",
                 line.slope.abs(),
                 line.correlation,
                 rate.unit,
@@ -273,7 +266,7 @@ fn rates(board: &mut Board<'_>, axes: Axes) {
     if let [(0, roll), (1, pitch)] = lines.as_slice() {
         // The sign of z follows from those of x and y.
         signs[2] = 1.0_f64.copysign(roll.slope * pitch.slope);
-        evidence += "; roll and pitch say the signs of x and y, and those z's";
+        evidence += "; roll and pitch give the signs of x and y, and those give z's";
     } else if axes != Axes::Down {
         is_sure = false;
         evidence += "; its axes are no clearer than the accelerometer's";

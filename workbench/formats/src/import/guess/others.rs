@@ -75,7 +75,7 @@ pub fn find(board: &mut Board<'_>) {
         }
     }
     for column in board.named(Role::GroundSpeed) {
-        board.set_aside(column, "is a speed over ground, which north and east velocity say better");
+        board.set_aside(column, "is a speed over ground; Pylon uses north and east velocity");
     }
 }
 
@@ -92,7 +92,7 @@ fn temperature(board: &mut Board<'_>, column: usize, destination: &str, is_place
     // Without a unit in the name, 15 to 60 may be Fahrenheit; beyond, only one of the units is plausible in
     // flight.
     let is_unit_sure = named.is_some() || by_size.is_some_and(|unit| unit != "C" || usual < 45.0);
-    let doubt = if is_place_sure { "" } else { "; whether it is the barometer's can't be told" };
+    let doubt = if is_place_sure { "" } else { "; it may not be the barometer's" };
     let what = format!("{}: its name; about {usual:.1}: {unit}{doubt}", board.quoted(column));
     board.add_plain(destination, column, Some(unit), is_unit_sure && is_place_sure, what);
 }
@@ -107,22 +107,24 @@ fn airspeed(board: &mut Board<'_>, column: usize, is_true: bool) {
     let by_ground: Vec<&str> =
         Quantity::Speed.units().filter(|unit| fits(unit.factor)).map(|unit| unit.name).collect();
     let (unit, is_unit_sure, why) = match (named, by_ground.as_slice()) {
-        (Some(named), []) if ratio.is_some() => (
-            named,
-            false,
-            format!("its name says {named}, but then it has nothing to do with the speed over ground"),
-        ),
-        (Some(named), _) => (named, true, format!("its name says {named}")),
-        (None, [only]) => (*only, true, format!("beside the speed over ground it can only be in {only}")),
-        (None, [first, ..]) => {
-            (*first, false, format!("beside the speed over ground it may be in {}", by_ground.join(" or ")))
+        (Some(named), []) if ratio.is_some() => {
+            (named, false, format!("its name says {named}, but then it contradicts the speed over ground"))
         }
-        (None, []) => ("m/s", false, "nothing says its unit".to_owned()),
+        (Some(named), _) => (named, true, format!("its name says {named}")),
+        (None, [only]) => {
+            (*only, true, format!("compared with the speed over ground, it can only be in {only}"))
+        }
+        (None, [first, ..]) => (
+            *first,
+            false,
+            format!("compared with the speed over ground, it may be in {}", by_ground.join(" or ")),
+        ),
+        (None, []) => ("m/s", false, "its unit is unknown".to_owned()),
     };
     let doubt = if is_true {
         ""
     } else {
-        "; indicated or calibrated, where true airspeed is needed: no factor turns one into the other"
+        "; indicated or calibrated, but true airspeed is needed: no factor converts one into the other"
     };
     board.add_plain("tas_mps", column, Some(unit), is_true && is_unit_sure, format!("{name}: {why}{doubt}"));
 }
@@ -156,7 +158,7 @@ fn throttle(board: &mut Board<'_>, column: usize) {
     } else if is_within(800.0, 2_200.0) {
         ("1", Some(0.001), Some(-1.0), true, "from 1000 to 2000: a servo's pulse in microseconds")
     } else {
-        ("1", None, None, false, "in no unit that is known")
+        ("1", None, None, false, "in no known unit")
     };
     let evidence = format!("{}: its name, and values from {low} to {high}, {what}", board.quoted(column));
     board.add(Guess {

@@ -42,11 +42,11 @@ fn named(board: &mut Board<'_>, column: usize, destination: &str, most: f64) {
         largest if largest > most && largest < most * 100.0 + 100.0 => {
             board.set_aside(
                 column,
-                "degrees and minutes in one number (NMEA), which no factor turns into degrees",
+                "degrees and minutes in one number (NMEA), which no factor converts to degrees",
             );
             return;
         }
-        _ => ("deg", false, "no position in any unit that is known"),
+        _ => ("deg", false, "not a position in any known unit"),
     };
     let (low, high) = range(&numbers);
     board.add_plain(
@@ -92,7 +92,7 @@ fn unnamed(board: &mut Board<'_>) {
     {
         let (low, high) = range(&board.numbers(column));
         let evidence = format!(
-            "{}: from {low} to {high} beside another such column: {what}, if latitude goes first",
+            "{}: from {low} to {high} beside another such column: {what}, if latitude comes first",
             board.quoted(column)
         );
         board.add_plain(destination, column, Some("deg"), false, evidence);
@@ -180,7 +180,7 @@ fn unnamed_altitude(board: &mut Board<'_>) {
     let Some((altitude, velocity, line)) = found else { return };
     let Some(length) = meant(Quantity::Length, 1.0 / line.slope, &board.hint(altitude)) else { return };
     let evidence = format!(
-        "{}: over 5 s it changes by {:.3} for one of the integral of {} (correlation {:+.2}), as an altitude in {} does with its \
+        "{}: over 5 s it changes by {:.3} per unit of the integral of {} (correlation {:+.2}), as an altitude in {} does with its \
          climb rate in m/s, the unit of the velocities over ground",
         board.quoted(altitude),
         line.slope.abs(),
@@ -234,7 +234,7 @@ fn velocity(
             let is_turned = line.slope < 0.0;
             let sign = if is_turned { "against" } else { "with" };
             let mut evidence = format!(
-                "{name}: over 5 s its integral runs {sign} {}, by {:.3} for one (correlation {:+.2}): {}{}",
+                "{name}: over 5 s its integral runs {sign} {}, by {:.3} per unit (correlation {:+.2}): {}{}",
                 if is_climb { "the descent that the altitude shows" } else { of },
                 line.slope.abs(),
                 line.correlation,
@@ -242,18 +242,18 @@ fn velocity(
                 name_agrees(&speed, &hint)
             );
             if is_climb && is_named && is_turned != says_up {
-                evidence += "; by its name the sign would be the other one";
+                evidence += "; its name implies the opposite sign";
             }
             (speed.unit, speed.is_sure, is_turned, evidence)
         }
         None if is_named => {
             let named = hint.unit_of(Quantity::Speed);
             let unit = named.unwrap_or("m/s");
-            let what = if named.is_some() { "its name says" } else { "nothing says its unit, perhaps" };
+            let what = if named.is_some() { "its name says" } else { "its unit is unknown, perhaps" };
             let why = if position.is_empty() {
-                format!("no {of} to check that by")
+                format!("no {of} to check that against")
             } else {
-                format!("the flight shows too little of it to check that by {of}")
+                format!("the flight shows too little of it to check that against {of}")
             };
             let evidence = format!("{name}: {what} {unit} ({why})");
             (unit, named.is_some(), is_climb && says_up, evidence)
@@ -273,7 +273,7 @@ fn velocity(
         return;
     }
     if !is_receivers {
-        evidence += "; whether it is the receiver's or the barometer's can't be told";
+        evidence += "; it may be the receiver's or the barometer's";
     }
     board.add(Guess {
         destination: destination.to_owned(),

@@ -123,7 +123,7 @@ fn without_a_name_nothing_is_placed_wrongly_and_what_physics_tells_is() {
     assert!(draft.guesses().iter().any(|guess| guess.destination == "baro_pa" && guess.is_sure), "{text}");
     // The values do not show whose altitude it is.
     let altitude = draft.guesses().iter().find(|guess| guess.destination == "gps_alt_m").unwrap();
-    assert!(!altitude.is_sure && altitude.evidence.contains("can't be told"), "{text}");
+    assert!(!altitude.is_sure && altitude.evidence.contains("its sensor is unknown"), "{text}");
     assert!(text.contains("still needed: gps_alt_m"), "{text}");
 }
 

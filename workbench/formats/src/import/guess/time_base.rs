@@ -156,9 +156,11 @@ fn counted(board: &Board<'_>, clock: &Clock) -> TimeGuess {
         .collect();
     let is_clock = !clock.is_counter;
     match (fitting.as_slice(), climbing.as_slice()) {
-        ([(unit, factor)], _) => {
-            guess(unit, is_clock, format!("{runs}; only in {unit} is that a flight: {}", described(*factor)))
-        }
+        ([(unit, factor)], _) => guess(
+            unit,
+            is_clock,
+            format!("{runs}; plausible for a flight only in {unit}: {}", described(*factor)),
+        ),
         (_, [(unit, factor)]) => guess(
             unit,
             is_clock && climbs_as_aircraft_do(board, column, *factor) == Some(true),
@@ -167,7 +169,9 @@ fn counted(board: &Board<'_>, clock: &Clock) -> TimeGuess {
                 described(*factor)
             ),
         ),
-        ([], _) => guess("s", false, format!("{runs}, but in no unit by the steps of a flight's log")),
+        ([], _) => {
+            guess("s", false, format!("{runs}, but its steps are not those of a flight's log in any unit"))
+        }
         ([(unit, factor), ..], _) => {
             let names: Vec<&str> = fitting.iter().map(|(unit, _)| *unit).collect();
             guess(

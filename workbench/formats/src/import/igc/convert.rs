@@ -129,7 +129,7 @@ impl Converter {
         }
         if losses.bad_extension_records > 0 {
             notes.push(format!(
-                "I or J records that are not as the specification says: {}; what follows their first fault was left out",
+                "I or J records that do not follow the specification: {}; what follows their first fault was left out",
                 losses.bad_extension_records
             ));
         }
@@ -345,7 +345,7 @@ impl Converter {
     fn keep_plain(&mut self, code: &str, name: &str, raw: Column, why: &UnitUnknown) {
         let plain = raw_name(code);
         self.note(format!(
-            "no {name}: the unit of {code} cannot be told ({why}); its plain numbers are kept as {plain}"
+            "no {name}: the unit of {code} is unknown ({why}); its plain numbers are kept as {plain}"
         ));
         self.put_signal(&plain, raw);
     }
@@ -447,7 +447,8 @@ impl Converter {
                         "the standard atmosphere's temperature"
                     };
                     self.note(format!(
-                        "tas_mps: made of IAS, taken as {unit}, by pressure altitude and {temperature}: {why}"
+                        "tas_mps: computed from IAS, taken as {unit}, by pressure altitude and \
+                         {temperature}: {why}"
                     ));
                     let true_mps = converted(&raw, |row, value| value * factor(row) / scale);
                     self.flight.set_channel(Channel::TasMps, true_mps);

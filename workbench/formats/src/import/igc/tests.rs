@@ -215,7 +215,7 @@ fn indicated_airspeed_becomes_true_airspeed_by_density() {
     let (flight, notes) = import(&text);
     assert!(has_note(
         &notes,
-        "tas_mps: made of IAS, taken as km/h, by pressure altitude and the logged temperature"
+        "tas_mps: computed from IAS, taken as km/h, by pressure altitude and the logged temperature"
     ));
     assert!(has_note(&notes, "oat_c: OAT is taken as degrees C: "));
     // Rounding of half a km/h, half a degree of temperature and half a metre of altitude.

@@ -81,7 +81,7 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum UnitUnknown {
     /// There are too few samples.
-    #[error("only {found} samples in motion to tell the unit by, expected {FEWEST_SAMPLES}")]
+    #[error("only {found} samples in motion to infer the unit from, expected {FEWEST_SAMPLES}")]
     TooFew {
         /// Samples.
         found: usize,

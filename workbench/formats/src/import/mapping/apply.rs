@@ -34,7 +34,7 @@ pub fn apply(table: &LoggedTable, mapping: &Mapping, name: &str) -> Result<(Flig
     let count = nowhere.iter().filter(|is_nowhere| **is_nowhere).count();
     if count > 0 {
         notes.push(format!(
-            "rows at latitude 0 and longitude 0, where no receiver has a fix yet; theirs is left out: {count} ({})",
+            "rows at latitude 0 and longitude 0, which a receiver without a fix records; their fixes are left out: {count} ({})",
             percent(count, table.lines.len())
         ));
     }
@@ -219,7 +219,7 @@ fn times(table: &LoggedTable, seconds: &[f64], notes: &mut Vec<String>) -> Resul
     if without > 0 {
         let at = stamps_us.iter().position(|stamp| *stamp == stamps::NO_TIME).unwrap_or(0);
         notes.push(format!(
-            "rows without a time, or with one of decades away, left out: {without} ({}), the first is {}",
+            "rows without a time, or with one decades away, left out: {without} ({}), the first is {}",
             percent(without, stamps_us.len()),
             described(at)
         ));
@@ -298,12 +298,12 @@ fn remarks(table: &LoggedTable, column: usize, destination: &str, samples: &[(u3
     let mut found = Vec::new();
     let name = table.name(column);
     if samples.is_empty() {
-        found.push(format!("{destination}: column '{name}' has not one number"));
+        found.push(format!("{destination}: column '{name}' has no numbers"));
     }
     let words = table.columns.get(column).map_or(0, |cells| cells.words);
     if words > 0 && !samples.is_empty() {
         found.push(format!(
-            "{destination}: cells of column '{name}' that are no numbers, taken as empty: {words}"
+            "{destination}: cells of column '{name}' that are not numbers, taken as empty: {words}"
         ));
     }
     let usual = middle(samples.iter().map(|(_, value)| *value));

@@ -46,7 +46,7 @@ pub enum TableError {
     #[error("no row with a time in the table, expected at least one")]
     NoTime,
     /// A column without a value.
-    #[error("not one value of {name} in the table, expected some: nothing to compare with")]
+    #[error("no value of {name} in the table, expected some: nothing to compare with")]
     NoValue {
         /// The signal.
         name: String,
@@ -113,13 +113,13 @@ pub enum MappingError {
     NamesLine,
     /// No layout was detected, and the mapping gives none.
     #[error(
-        "no table of numbers was found in the log, expected lines of cells with the same separator; if it is one, say separator, \
+        "no table of numbers was found in the log, expected lines of cells with the same separator; if it is one, give separator, \
          names_line and first_line under [file]"
     )]
     NoLayout,
     /// A layout for a log that is not text.
     #[error(
-        "[file] says how a text is laid out, expected no [file]: the log is Parquet, which says it itself"
+        "[file] describes the layout of a text, expected no [file]: the log is Parquet, which needs none"
     )]
     LayoutOfParquet,
     /// An invalid signal name.

@@ -76,7 +76,7 @@ fn damage_costs_its_line_and_is_said_with_its_place() {
     said(
         "time contradicts those around them, left out: 1 (0.51 %); the first is at line 101, with a time of 6000000.000 s",
     );
-    said("rows without a time, or with one of decades away, left out: 1 (0.50 %), the first is line 121");
+    said("rows without a time, or with one decades away, left out: 1 (0.50 %), the first is line 121");
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn what_contradicts_is_refused_or_said_in_one_line() {
             "mapping: [signals]: no altitude besides gps_alt_m",
         ),
         (with("\nunit = \"ms\"", ""), "mapping: [time] has no unit for column 'Time'"),
-        (with("\"Alt\"", "\"State\""), "log: not one value of gps_alt_m"),
+        (with("\"Alt\"", "\"State\""), "log: no value of gps_alt_m"),
     ] {
         let error = read(&log(), &mapping).unwrap_err();
         assert!(error.contains(words), "{words}: {error}");

@@ -40,7 +40,7 @@ impl<'a> Cells<'a> {
             .map_err(FooterError::from)?
             .map_err(FooterError::from)?;
         if metadata.file_metadata().schema_descr().num_columns() != footer.leaves.len() {
-            return Err(FooterError::Damaged("its tree of columns is none").into());
+            return Err(FooterError::Damaged("its tree of columns is invalid").into());
         }
         Ok(Self { file, footer, metadata })
     }

@@ -10,7 +10,7 @@ pub enum ParquetError {
     /// The footer, which lists the file's content, is missing.
     #[error(
         "Parquet that is cut off, or still being written: its end is missing, where its columns are listed; without it nothing \
-         of it can be read, so copy or export it again"
+         can be read, so copy or export it again"
     )]
     Cut,
     /// It is encrypted.
@@ -18,12 +18,12 @@ pub enum ParquetError {
     Encrypted,
     /// The list of columns is damaged.
     #[error(
-        "Parquet whose list of columns is damaged ({0}): nothing of it can be read, so copy or export it again"
+        "Parquet whose list of columns is damaged ({0}): nothing can be read, so copy or export it again"
     )]
     Footer(#[from] FooterError),
     /// It declares more cells than so few bytes can hold.
     #[error(
-        "Parquet of {bytes} bytes that says it has {rows} rows of {columns} columns, expected at most {most} cells in so few \
+        "Parquet of {bytes} bytes that declares {rows} rows of {columns} columns, expected at most {most} cells in so few \
          bytes: it is damaged, or contains nothing but repetitions"
     )]
     TooMany {
@@ -78,7 +78,7 @@ pub struct GroupError {
 #[derive(Debug, Error)]
 pub enum ChunkError {
     /// They are beyond the file's end.
-    #[error("it is not there")]
+    #[error("it is missing")]
     Missing,
     /// They contradict themselves.
     #[error("{0}")]
@@ -95,7 +95,7 @@ pub enum ChunkError {
     #[error("its values are encoded in a way that is not read (number {0})")]
     Encoding(i64),
     /// A page cannot have this size.
-    #[error("a page of {values} values is said to have {bytes} bytes")]
+    #[error("a page of {values} values declares {bytes} bytes")]
     PageSize {
         /// Its values.
         values: usize,

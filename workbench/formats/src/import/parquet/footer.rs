@@ -110,13 +110,15 @@ impl<'a> Footer<'a> {
     /// [`ParquetError`].
     pub fn read(file: &'a [u8]) -> Result<Self, ParquetError> {
         let bytes = bytes(file)?;
-        let tree = Reader::new(bytes).structure().ok_or_else(|| damaged("it breaks off"))?;
+        let tree = Reader::new(bytes).structure().ok_or_else(|| damaged("it is cut off"))?;
         let leaves = leaves(tree.list(2))?;
         let mut groups = Vec::new();
         let mut rows: i64 = 0;
         for group in tree.list(4) {
-            let own =
-                group.int(3).filter(|own| *own >= 0).ok_or_else(|| damaged("a group without its rows"))?;
+            let own = group
+                .int(3)
+                .filter(|own| *own >= 0)
+                .ok_or_else(|| damaged("a group without a number of rows"))?;
             rows = rows.saturating_add(own);
             // Known to fit: checked below, before it is used.
             let own = usize::try_from(own).unwrap_or(usize::MAX);
@@ -152,7 +154,7 @@ struct Open {
 
 /// The columns of a schema, which is a tree written depth first.
 fn leaves(schema: &[Value<'_>]) -> Result<Vec<Leaf>, ParquetError> {
-    let wrong = || damaged("its tree of columns is none");
+    let wrong = || damaged("its tree of columns is invalid");
     let (root, elements) = schema.split_first().ok_or_else(wrong)?;
     let mut open = vec![Open { left: root.int(5).unwrap_or(0), is_repeated: false, path: 0 }];
     let mut path = String::new();
@@ -241,20 +243,20 @@ fn chunk(column: &Value<'_>, end: usize, rows: usize) -> Result<Chunk, &'static 
     if column.text(1).is_some() {
         return Err("it is in another file");
     }
-    let metadata = column.field(3).ok_or("it is encrypted, or its place is not said")?;
+    let metadata = column.field(3).ok_or("it is encrypted, or its position is missing")?;
     let place = |number: i16| metadata.int(number).and_then(|value| usize::try_from(value).ok());
     let first = match metadata.int(11) {
         Some(_) => place(11),
         None => place(9),
     };
-    let (start, length) = first.zip(place(7)).ok_or("its place is not said")?;
+    let (start, length) = first.zip(place(7)).ok_or("its position is missing")?;
     if start < MAGIC.len() || start.checked_add(length).is_none_or(|behind| behind > end) {
-        return Err("it is said to be where the file is not");
+        return Err("its position is outside the file");
     }
-    let values = place(5).ok_or("its number of values is not said")?;
+    let values = place(5).ok_or("its number of values is missing")?;
     if values != rows {
         return Err("it has another number of values than the group has rows");
     }
-    let codec = metadata.int(4).ok_or("how it is compressed is not said")?;
+    let codec = metadata.int(4).ok_or("its compression is missing")?;
     Ok(Chunk { start, length, values, codec })
 }

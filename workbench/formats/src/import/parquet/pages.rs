@@ -26,7 +26,7 @@ pub fn check(bytes: &[u8], leaf: &Leaf, chunk: &Chunk) -> Result<(), ChunkError>
         let names: Vec<&str> = CODECS.iter().map(|(_, name)| *name).collect();
         let known = usize::try_from(chunk.codec).ok().and_then(|codec| CODEC_NAMES.get(codec));
         return Err(ChunkError::Codec {
-            found: known.unwrap_or(&"something unknown"),
+            found: known.unwrap_or(&"an unknown codec"),
             known: names.join(", "),
         });
     }
@@ -36,9 +36,9 @@ pub fn check(bytes: &[u8], leaf: &Leaf, chunk: &Chunk) -> Result<(), ChunkError>
         let header = reader.structure().ok_or(ChunkError::Damaged("a page's head is damaged"))?;
         let size = |number: i16| header.int(number).and_then(|value| usize::try_from(value).ok());
         let (whole, packed) =
-            size(2).zip(size(3)).ok_or(ChunkError::Damaged("a page does not say how long it is"))?;
+            size(2).zip(size(3)).ok_or(ChunkError::Damaged("a page does not declare its length"))?;
         if packed > reader.left() || (chunk.codec == 0 && whole != packed) {
-            return Err(ChunkError::Damaged("a page is said to be longer than it is"));
+            return Err(ChunkError::Damaged("a page declares a wrong length"));
         }
         let body = match header.int(1) {
             Some(0) => header.field(5),
@@ -46,9 +46,9 @@ pub fn check(bytes: &[u8], leaf: &Leaf, chunk: &Chunk) -> Result<(), ChunkError>
             Some(3) => header.field(8),
             _ => return Err(ChunkError::Damaged("a page is of an unknown kind")),
         };
-        let body = body.ok_or(ChunkError::Damaged("a page does not say what is in it"))?;
+        let body = body.ok_or(ChunkError::Damaged("a page does not declare its content"))?;
         let count = |number: i16| body.int(number).and_then(|value| usize::try_from(value).ok());
-        let values = count(1).ok_or(ChunkError::Damaged("a page does not say how many values it has"))?;
+        let values = count(1).ok_or(ChunkError::Damaged("a page does not declare its number of values"))?;
         let is_dictionary = header.int(1) == Some(2);
         let encoding = body.int(if header.int(1) == Some(3) { 4 } else { 2 }).unwrap_or(-1);
         if !ENCODINGS.contains(&encoding) {

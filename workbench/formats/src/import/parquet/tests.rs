@@ -67,15 +67,10 @@ fn a_page_that_says_more_than_it_has_is_refused_before_room_is_taken_for_it() {
         assert!(error.contains(words), "{error}");
     };
     // A page of one number that decompresses to a gigabyte.
-    refused(
-        &page(&[0x80, 0x80, 0x80, 0x80, 8], &[2]),
-        1,
-        1,
-        "a page of 1 values is said to have 1073741824 bytes",
-    );
+    refused(&page(&[0x80, 0x80, 0x80, 0x80, 8], &[2]), 1, 1, "a page of 1 values declares 1073741824 bytes");
     refused(&page(&[0x10], &[4]), 1, 0, "more values than the column");
     refused(&page(&[0x10], &[2]), 2, 0, "a page's head is damaged");
-    refused(&page(&[0x10], &[2])[..14], 1, 0, "longer than it is");
+    refused(&page(&[0x10], &[2])[..14], 1, 0, "a page declares a wrong length");
     refused(&page(&[0x10], &[2]), 1, 2, "compressed by gzip, expected one of none, snappy, zstd, lz4");
 }
 

@@ -17,9 +17,9 @@ const GAP_INTERVALS: f64 = 1.5;
 pub fn without_ticks(begins: &Begins, losses: &Losses) -> ImportError {
     let report = begins.reports.last();
     let said = match (report, &begins.header) {
-        (Some(report), _) => Some(format!("the flight computer said: {}", restart_words(report))),
+        (Some(report), _) => Some(format!("the flight computer reported: {}", restart_words(report))),
         (None, None) if losses.undecodable > 0 => {
-            Some("no header says its version, which may be another".to_owned())
+            Some("no header gives its version, which may differ".to_owned())
         }
         (None, _) => None,
     };
@@ -166,16 +166,16 @@ impl Notes {
     fn losses(&mut self, losses: &Losses, left: &Left, recording: &Recording) {
         if losses.damaged > 0 {
             let Losses { damaged, damaged_bytes, .. } = losses;
-            self.note(format!("stretches that are no frame (torn, flipped, or of something else), left out: {damaged}, of {damaged_bytes} bytes"));
+            self.note(format!("stretches that are not frames (torn, flipped, or of something else), left out: {damaged}, of {damaged_bytes} bytes"));
         }
-        self.count(losses.missing, "frames that are missing between those that came");
+        self.count(losses.missing, "frames missing between those received");
         self.count(losses.undecodable as u64, "frames that do not decode, left out");
         self.count(losses.unknown as u64, "frames of a kind that this version does not know, left out");
         self.count(losses.repeated as u64, "frames that came twice, left out once");
         if losses.begins_in_the_middle {
             let version = flight_record::FORMAT_VERSION;
             self.note(format!(
-                "recorded from the middle of a stream: no header says its version, {version} is taken"
+                "recorded from the middle of a stream: no header gives its version, {version} is assumed"
             ));
         }
         if losses.is_cut {
@@ -185,7 +185,7 @@ impl Notes {
         if left.flights > 0 {
             let Left { flights, ticks, .. } = left;
             self.note(format!(
-                "other flights in the record (the flight computer started anew, its clock too): {flights}, of {ticks} ticks; \
+                "other flights in the record (the flight computer restarted, and its clock too): {flights}, of {ticks} ticks; \
                  the longest is used"
             ));
         }
@@ -196,16 +196,13 @@ impl Notes {
         self.gaps(recording);
         let promised = recording.promised_inputs.map(u64::from);
         if let Some(promised) = promised.filter(|promised| *promised != recording.time_us.len() as u64) {
-            self.note(format!(
-                "the record says that it has {promised} inputs, and has {}",
-                recording.time_us.len()
-            ));
+            self.note(format!("the record declares {promised} inputs, but has {}", recording.time_us.len()));
         }
         if recording.is_inputs() && recording.promised_inputs.is_none() {
             self.note("the record of inputs has no end: it was cut");
         }
         if let Some(summary) = &recording.summary {
-            self.count(summary.lost_results.into(), "results that the flight computer lost for want of room");
+            self.count(summary.lost_results.into(), "results that the flight computer lost for lack of room");
             self.count(summary.sensor_faults.into(), "polls of sensors that failed in flight");
         }
     }
@@ -254,7 +251,7 @@ impl Notes {
                         afterwards(report, seconds(*after_us))
                     ));
                 }
-                (None, _) => self.note(format!("at its start the flight computer said: {words}")),
+                (None, _) => self.note(format!("at its start the flight computer reported: {words}")),
                 (Some(before_us), None) => {
                     self.note(format!("{words} after {:.3} s: no tick followed", seconds(*before_us)));
                 }
@@ -274,7 +271,9 @@ impl Notes {
             self.note("the calibration and the flags as flown are in the header (flown_*); what else was estimated is left out");
         }
         if as_flown.latch.is_none() && as_flown.launch.is_some() {
-            self.note("the frame of the latched calibration is missing: the biases are those that the launch's tick said");
+            self.note(
+                "the frame of the latched calibration is missing: the biases are those of the launch's tick",
+            );
         }
     }
 }
@@ -283,14 +282,13 @@ impl Notes {
 fn afterwards(report: Option<&RestartReport>, after_s: f64) -> String {
     match report.map(|report| report.start) {
         Some(Start::Captive) => format!(
-            "the flight computer calibrated anew from {after_s:.3} s on, `compare` calibrates on all of the captive flight"
+            "the flight computer calibrated again from {after_s:.3} s on, `compare` calibrates on all of the captive flight"
         ),
         Some(Start::Lost) => {
             "the flight computer's calibration was lost, `compare` has the one from before".to_owned()
         }
         _ => {
-            "the flight computer went on, and so does the flight: `compare` flies through as if it were a gap"
-                .to_owned()
+            "the flight computer continued, and so does the flight: `compare` treats this as a gap".to_owned()
         }
     }
 }

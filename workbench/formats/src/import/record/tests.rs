@@ -208,7 +208,7 @@ fn the_calibration_and_the_flags_as_flown_are_in_the_header() {
     let (flight, notes) = imported(&line.bytes());
     assert_eq!(key(&flight, "flown_baro_bias_m"), Some("30"));
     assert!(has(&notes, "the frame of the latched calibration is missing"), "{notes:?}");
-    assert!(has(&notes, "frames that are missing between those that came: 1"), "{notes:?}");
+    assert!(has(&notes, "frames missing between those received: 1"), "{notes:?}");
 }
 
 #[test]
@@ -217,11 +217,11 @@ fn torn_frames_and_garbage_cost_their_own_ticks_and_are_counted() {
     let garbage: Vec<u8> = (0..3_000_u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     // Before the first frame, with and without a zero after it.
     for (log, rows, said) in [
-        ([&garbage[..], &[0], &frames.concat()].concat(), 100, "stretches that are no frame"),
+        ([&garbage[..], &[0], &frames.concat()].concat(), 100, "stretches that are not frames"),
         (
             [&frames[..50].concat()[..], &garbage, &[0], &frames[50..].concat()].concat(),
             100,
-            "stretches that are no frame",
+            "stretches that are not frames",
         ),
         ([&frames.concat()[..], &garbage].concat(), 100, "the last frame is cut off"),
         (frames.concat()[..frames.concat().len() - 9].to_vec(), 99, "the last frame is cut off"),
@@ -249,7 +249,7 @@ fn torn_frames_and_garbage_cost_their_own_ticks_and_are_counted() {
 fn a_restart_goes_on_with_the_flight_and_is_said() {
     for (start, said) in [
         (Start::Resumed, "restart 1 (resumed) after a panic: 0.110 s without ticks after 1.340 s"),
-        (Start::Captive, "the flight computer calibrated anew from 1.450 s on"),
+        (Start::Captive, "the flight computer calibrated again from 1.450 s on"),
         (Start::Lost, "calibration was lost"),
     ] {
         let mut line = Line::default();
@@ -267,7 +267,7 @@ fn a_restart_goes_on_with_the_flight_and_is_said() {
             assert_eq!(flight.rows(), 99, "{start:?}");
             assert_eq!(key(&flight, "record_restarts"), Some("1"));
             assert!(has(&notes, said), "{notes:?}");
-            assert!(has(&notes, "stretches that are no frame (torn"), "{notes:?}");
+            assert!(has(&notes, "stretches that are not frames (torn"), "{notes:?}");
             assert!(flight.time_s.is_sorted());
         }
         // Header and report are lost as well: the clock shows that the flight continues.
@@ -309,7 +309,7 @@ fn inputs_alone_are_a_flight_too() {
     assert!(flight.header.source.contains("inputs for a flight computer"));
     line.frames.remove(20);
     let (_, notes) = imported(&line.bytes());
-    assert!(has(&notes, "the record says that it has 100 inputs, and has 99"), "{notes:?}");
+    assert!(has(&notes, "the record declares 100 inputs, but has 99"), "{notes:?}");
 }
 
 #[test]
@@ -323,7 +323,7 @@ fn what_is_no_flight_is_one_line_that_says_why() {
     assert!(error(&only_header).starts_with("flight record without a tick (1 frames read"));
     line.send(&restart(Start::Standby, 9_000_000));
     let said = error(&line.bytes());
-    assert!(said.contains("the flight computer said: restart 1 (standby) after a panic"), "{said}");
+    assert!(said.contains("the flight computer reported: restart 1 (standby) after a panic"), "{said}");
 
     let mut line = Line::default();
     let header =

@@ -82,7 +82,7 @@ impl Converter {
     fn note_losses(&mut self, losses: &Losses, others: usize, restarts: usize) {
         let counted = [
             (losses.bad_crc, "frames whose CRC is wrong, left out"),
-            (losses.unreadable, "frames with values that MAVLink does not know, left out"),
+            (losses.unreadable, "frames with values that MAVLink does not define, left out"),
             (losses.unknown, "frames of messages that are not in MAVLink's common set, left out"),
             (
                 losses.backward,
@@ -98,7 +98,7 @@ impl Converter {
         }
         if losses.garbage_bytes > 0 {
             self.note(format!(
-                "damaged: {} of the file's {} bytes ({}) are no frame, the first at byte {}; what is before and after was read",
+                "damaged: {} of the file's {} bytes ({}) are not frames, the first at byte {}; what is before and after was read",
                 losses.garbage_bytes,
                 losses.bytes,
                 percent(losses.garbage_bytes, losses.bytes),
@@ -252,8 +252,8 @@ impl Converter {
         self.put_signal("latitude_deg", each(|global| global.position_deg.0));
         self.put_signal("longitude_deg", each(|global| global.position_deg.1));
         self.note(
-            "no GPS_RAW_INT: the reference is GLOBAL_POSITION_INT, the autopilot's own estimate, which has the barometer in \
-             it and is no independent reference",
+            "no GPS_RAW_INT: the reference is GLOBAL_POSITION_INT, the autopilot's own estimate, which uses the \
+             barometer and is not an independent reference",
         );
     }
 
@@ -369,7 +369,7 @@ impl Converter {
         });
         if !phases.is_empty() {
             self.put(Channel::Launch, phases);
-            self.note("launch is by HEARTBEAT's mode, up to a second late: no value `launch` was recorded");
+            self.note("launch is from HEARTBEAT's mode, up to a second late: no value `launch` was recorded");
         }
     }
 }

@@ -147,7 +147,7 @@ fn a_stream_without_receivers_times_is_the_same_flight() {
     assert!(
         notes
             .iter()
-            .any(|note| note.starts_with("damaged: ") && note.contains("are no frame, the first at byte ")),
+            .any(|note| note.starts_with("damaged: ") && note.contains("are not frames, the first at byte ")),
         "{notes:?}"
     );
 }
@@ -173,7 +173,7 @@ fn a_second_receiver_is_kept_and_compared() {
     assert_eq!(second.1.samples().next(), Some((1, 1_003.001)));
     assert!(
         notes.iter().any(|note| note.contains("GPS2_RAW, with 19, is kept as gps_2_alt_m")
-            && note.contains("is +3.0 m from the other's in the middle")),
+            && note.contains("differs from the other's by +3.0 m in the median")),
         "{notes:?}"
     );
 }
@@ -363,7 +363,7 @@ fn an_autopilots_own_altitude_is_a_reference_only_where_there_is_no_other() {
     assert_eq!(samples(&flight, Channel::GpsAltM)[0], (0.0, 123.456));
     assert_eq!(samples(&flight, Channel::GpsVnMps)[4].1, 10.0);
     assert_eq!(samples(&flight, Channel::GpsVdMps)[4].1, 0.25);
-    assert!(notes.iter().any(|note| note.contains("no independent reference")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("not an independent reference")), "{notes:?}");
 }
 
 #[test]
@@ -400,7 +400,7 @@ fn garbage_damage_and_a_cut_end_are_counted_and_cost_nothing_else() {
     assert_eq!(altitudes, expected);
     let garbage = format!("damaged: 10 of the file's {} bytes (", log.len());
     let is_said =
-        |note: &String| note.starts_with(&garbage) && note.contains("are no frame, the first at byte 0;");
+        |note: &String| note.starts_with(&garbage) && note.contains("are not frames, the first at byte 0;");
     assert!(notes.iter().any(is_said), "{notes:?}");
     for (word, count) in [("CRC is wrong", 1), ("common set", 1)] {
         let note =

@@ -283,7 +283,7 @@ impl<'a> Converter<'a> {
             let samples = self.samples(topic, 0).filter(|samples| samples.iter().any(|(_, mps)| *mps != 0.0));
             if let Some(samples) = samples {
                 self.put(Channel::TasMps, samples);
-                self.note(format!("tas_mps is {topic}'s true airspeed, as the autopilot made it"));
+                self.note(format!("tas_mps is {topic}'s true airspeed, as the autopilot computed it"));
                 return;
             }
         }

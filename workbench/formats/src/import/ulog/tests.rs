@@ -314,7 +314,7 @@ fn of_several_receivers_each_is_kept_and_how_far_they_are_apart_is_said() {
     assert_eq!(signal(&flight, "gps_2_alt_m")[..2], [502.7, 503.1]);
     assert_eq!(signal(&flight, "gps_2_vd_mps"), [-2.0; 50]);
     let words = "vehicle_gps_position 1, with 50 3D fixes, is the reference; sensor_gps 2, with 50, is kept as gps_2_alt_m and other \
-                 signals gps_2_*: its altitude is +2.5 m from the other's in the middle, and +2.5 to +2.5 m in 96 of 100 fixes";
+                 signals gps_2_*: its altitude differs from the other's by +2.5 m in the median, and by +2.5 to +2.5 m in 96 of 100 fixes";
     assert!(said(&notes, words), "{notes:#?}");
     // The flight can be written and read back.
     let mut written = Vec::new();
