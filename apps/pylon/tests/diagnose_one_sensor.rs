@@ -161,5 +161,5 @@ fn a_stuck_barometer_is_refused_as_that() {
 fn a_copied_barometer_is_named_as_that_and_nothing_else() {
     let flight = with_barometer(|_, altitude_m| altitude_m + 30.0);
     let refused = Replay::to_diagnose(&flight, &Model::default(), None).map(|_| ()).unwrap_err().to_string();
-    assert!(refused.starts_with("no barometer: ") && refused.contains("copied"), "{refused}");
+    assert!(refused.starts_with("no barometer: ") && refused.contains("copy of the receiver"), "{refused}");
 }

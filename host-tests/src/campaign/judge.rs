@@ -35,6 +35,10 @@ const MOST_OPERATIONS: u32 = 40;
 /// Calling a sensor untrustworthy is right if its true error is beyond this share of the bound: the reference
 /// has an error of its own, which the bound allows for.
 const RIGHTLY: f32 = 0.6;
+/// Flagging an altitude that the flight computer integrates is owed once its true error is beyond this
+/// multiple of the bound. Its own drift may cancel a push, and the same error of the reference may hide what
+/// is left.
+const OWED: f32 = 2.0 - RIGHTLY;
 
 /// What must hold in every run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -476,10 +480,9 @@ impl Judge<'_> {
         }
         // A sensor that reads right needs no flag until it leaves its bound. From then on the flag is due as
         // soon as in the clean flight. After a gap, an altitude that the flight computer integrates has a
-        // different drift from the clean one's, and mending the gap also removes a push during it: the
-        // altitude is right up to its bound.
+        // different drift from the clean one's, and mending the gap also removes a push during it.
         let is_integrated = sensor == Sensor::ImuSlave && !has_unit;
-        let rightly_m = if is_integrated { 1.0 } else { RIGHTLY } * self.bound_m(sensor);
+        let rightly_m = if is_integrated { OWED } else { RIGHTLY } * self.bound_m(sensor);
         let is_right = |watched: &Watched, tick: usize| {
             let seen = watched.ticks.get(tick).copied().flatten();
             seen.is_none_or(|seen| seen.true_error_m[i].abs() < rightly_m)

@@ -148,7 +148,7 @@ mod tests {
             None
         );
         assert_eq!(check(&Flight::default()), None);
-        assert!(note(&flight(|_, altitude_m| altitude_m)).unwrap().text().contains("copied"));
+        assert!(note(&flight(|_, altitude_m| altitude_m)).unwrap().text().contains("copy of the receiver"));
     }
 
     /// A flight of this many rows, by the receiver's and the barometer's altitude in each.

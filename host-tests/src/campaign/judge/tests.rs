@@ -107,16 +107,31 @@ fn pushed(away_until: usize) -> Vec<Invariant> {
     broken(flagged_at(drifting(12_000, &(0..0)), 13_000), drifting(12_000, &(11_990..away_until)))
 }
 
-/// In the faulty flight the altitude leaves its bound of 7 m at tick 14,700. The clean flight flags it before
-/// that, because the receiver is off in the other direction. A flag that early is not required: the average
-/// is half a window behind.
+/// In the faulty flight the altitude leaves 1.4 times its bound of 7 m at tick 14,980. The clean flight flags
+/// it earlier, because the receiver is off in the other direction. A flag that early is not required: the
+/// average is half a window behind.
 #[test]
 fn a_slow_drift_is_owed_its_flag_when_the_average_can_have_left_the_bound() {
     let flagged = |tick| {
         broken(flagged_at(drifting(12_000, &(0..0)), 12_500), flagged_at(drifting(14_000, &(0..0)), tick))
     };
-    assert_eq!(flagged(14_699 + HALF_WINDOW_TICKS * 3 / 2 + GRACE_TICKS), []);
-    assert_eq!(flagged(14_700 + HALF_WINDOW_TICKS * 3 / 2 + GRACE_TICKS), [Invariant::Detection]);
+    assert_eq!(flagged(14_979 + HALF_WINDOW_TICKS * 3 / 2 + GRACE_TICKS), []);
+    assert_eq!(flagged(14_981 + HALF_WINDOW_TICKS * 3 / 2 + GRACE_TICKS), [Invariant::Detection]);
+}
+
+/// The altitude's own drift cancels the push at 9 m, which the receiver may hide, or at 11 m, which it may
+/// not.
+#[test]
+fn an_integrated_altitude_that_stays_near_its_bound_is_owed_no_flag() {
+    let settled = |limit_m: f32| {
+        let mut faulty = drifting(14_000, &(0..0));
+        for seen in faulty.ticks.iter_mut().flatten() {
+            seen.true_error_m = seen.true_error_m.map(|error_m| error_m.min(limit_m));
+        }
+        broken(flagged_at(drifting(12_000, &(0..0)), 12_500), faulty)
+    };
+    assert_eq!(settled(9.0), []);
+    assert_eq!(settled(11.0), [Invariant::Detection]);
 }
 
 /// Half of the default model's window.

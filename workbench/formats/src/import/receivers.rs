@@ -107,7 +107,7 @@ mod tests {
         for words in [
             "GPS, with 100 3D fixes, is the reference",
             "GPS2, with 100, is kept as gps_2_alt_m",
-            "is +3.0 m from",
+            "differs from the other's by +3.0 m",
             "+3.0 to +3.0 m",
         ] {
             assert!(said.contains(words), "{said}");

@@ -159,7 +159,10 @@ mod tests {
         assert!(degrees.len() == 1 && degrees[0].starts_with("yaw_rad: values from "), "{degrees:?}");
         assert!(degrees[0].contains("they would be in deg or mrad or cdeg"), "{degrees:?}");
         let kelvin = said("gps_alt_m,baro_alt_m,baro_temp_c", |m| format!("{m},{m},288.15"));
-        assert!(kelvin.len() == 1 && kelvin[0].contains("not plausible in C; in K"), "{kelvin:?}");
+        assert!(
+            kelvin.len() == 1 && kelvin[0].contains("not plausible in C; they would be in K"),
+            "{kelvin:?}"
+        );
     }
 
     #[test]

@@ -251,11 +251,11 @@ fn a_unit_that_can_not_be_told_leaves_plain_numbers() {
     assert!(flight.channel(Channel::TasMps).is_none() && flight.channel(Channel::OatC).is_none());
     assert_eq!(signal(&flight, "igc_oat")[0], Some(999.0));
     assert!(signal(&flight, "igc_tas").contains(&Some(20.0)));
-    assert!(has_note(&notes, "no oat_c: the unit of OAT cannot be told"), "{notes:?}");
+    assert!(has_note(&notes, "no oat_c: the unit of OAT is unknown"), "{notes:?}");
     let level = log("I013638TAS\n", &[(500, 560, 'A'); 60]).replace("EA0050000560", "EA0050000560123");
     let (flight, notes) = import(&level);
     assert_eq!(signal(&flight, "igc_tas")[0], Some(123.0));
-    assert!(has_note(&notes, "no tas_mps: the unit of TAS cannot be told"), "{notes:?}");
+    assert!(has_note(&notes, "no tas_mps: the unit of TAS is unknown"), "{notes:?}");
 }
 
 #[test]
