@@ -1,10 +1,12 @@
-"""What is commonly used, on the same residuals as Pylon's diagnosis.
+"""Commonly used methods, on the same residuals as Pylon's diagnosis.
 
-`compare.py FOLDER` reads what `blind --dump FOLDER` wrote: `trials.json` (what was hidden, and what Pylon said) and a
-table of block means a trial. Each sensor that flies free is regressed by itself on every candidate and a bias:
+`compare.py FOLDER` reads what `blind --dump FOLDER` wrote: `trials.json` (what was hidden, and what Pylon
+reported) and a table of block means per trial. Each sensor in free flight is regressed by itself on every
+candidate and a bias:
 
 * ordinary least squares, forward stepwise by BIC (statsmodels);
-* the LASSO, its penalty by five-fold cross-validation (scikit-learn); what has a coefficient is taken as found.
+* the LASSO, its penalty by five-fold cross-validation (scikit-learn); an effect with a coefficient
+  counts as found.
 
 A time constant is chosen from the same grid as Pylon's; its columns count as one effect. Where two effects have the
 same regressor on a sensor, naming either counts as right.
@@ -37,9 +39,9 @@ def candidates(rows):
 
 
 def in_favour(names, rows, truth):
-    """Names a true effect for one whose regressor is the same on these rows: no method of one sensor could tell.
+    """Replaces an effect by a true one whose regressor is the same on these rows.
 
-    A late receiver and a late barometer, say."""
+    No method of one sensor can distinguish them: for example a late receiver and a late barometer."""
     columns = candidates(rows)
     correlation = np.abs(np.atleast_2d(np.corrcoef(rows[columns].to_numpy(), rowvar=False)))
     result = set()
@@ -53,7 +55,7 @@ def in_favour(names, rows, truth):
 def bic_stepwise(rows):
     residual = rows["residual_m"].to_numpy()
     columns = {column: rows[column].to_numpy() for column in candidates(rows)}
-    # Scaled, so that a metre and a second squared are the same to the solver.
+    # Scaled, so that the solver treats a metre and a second squared alike.
     columns = {column: values / values.std() for column, values in columns.items()}
     chosen = []
     design = np.ones((len(residual), 1))
@@ -96,7 +98,7 @@ def share(hits):
 
 
 def rates(trials, found):
-    """Of one method; `found` is a set of effects a trial."""
+    """Rates of one method; `found` has one set of effects per trial."""
     def counts(trial):
         return trial["strongest"] is not None
     pairs = list(zip(trials, found))

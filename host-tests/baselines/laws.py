@@ -1,14 +1,16 @@
-"""Symbolic regression and sparse regression on the block means that Pylon's search for laws works on.
+"""Symbolic regression and sparse regression on the block means that Pylon's search for laws uses.
 
-`laws.py FOLDER` reads what `laws --dump FOLDER` wrote: for every trial the block means of the flight that is learned from (SEED-0.csv) and of
-the next one (SEED-1.csv), with what the hidden law adds (`true_m`, which only the score sees). The target is the barometer's residual.
+`laws.py FOLDER` reads what `laws --dump FOLDER` wrote: for every trial the block means of the flight that is
+learned from (SEED-0.csv) and of the next one (SEED-1.csv), with what the hidden law adds (`true_m`, which
+only the score uses). The target is the barometer's residual.
 
 * gplearn: genetic programming over all signals, fitness the correlation, then scale and offset by least squares;
 * PySINDy: polynomials of the second degree of all signals (standardised), sequentially thresholded least squares, the threshold by
   cross-validation.
 
-Neither knows the wander of receiver and barometer. So that a null flight can have no law, a method proposes one only where it lowers the
-error of stretches of the flight that are left out in turn (five, in order of time; the law's coefficients are fitted by the others).
+Neither models the wander of receiver and barometer. So that a null flight can end without a law, a method
+proposes one only if it lowers the error of held-out stretches of the flight (five, each held out in turn, in
+order of time; the law's coefficients are fitted to the others).
 """
 
 import sys
@@ -42,7 +44,7 @@ def line(column, residual):
 
 
 def lowers(design_of, residual):
-    """Whether stretches that are left out have a smaller error with the law than without; `design_of(used)` fits on the used ones."""
+    """Whether the law lowers the error of held-out stretches; `design_of(used)` fits on the used ones."""
     of = stretches(len(residual))
     error = np.empty_like(residual)
     null = np.empty_like(residual)

@@ -1,8 +1,9 @@
-"""What pymavlink makes of bytes from a telemetry line.
+"""Bytes from a telemetry line, as pymavlink decodes them.
 
-`decode.py FILE` writes one JSON object a message: its type (`mavpackettype`), sequence number (`seq`), sender
-(`system`, `component`) and fields; a number that is not finite is null. `decode.py --tlog FILE` reads a recording
-as MAVProxy makes it, and adds the receiver's time (`timestamp_us`). What is no message is of type `BAD_DATA`.
+`decode.py FILE` writes one JSON object per message: its type (`mavpackettype`), sequence number (`seq`),
+sender (`system`, `component`) and fields; a number that is not finite is null. `decode.py --tlog FILE` reads
+a recording as MAVProxy makes it, and adds the receiver's time (`timestamp_us`). Bytes that are no message
+have the type `BAD_DATA`.
 """
 
 import json
@@ -10,7 +11,7 @@ import math
 import os
 import sys
 
-# Read when it is imported.
+# pymavlink reads these when it is imported.
 os.environ["MAVLINK20"] = "1"
 os.environ["MAVLINK_DIALECT"] = "common"
 

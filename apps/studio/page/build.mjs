@@ -1,4 +1,5 @@
-// Bundles the page: `node build.mjs OUT_FOLDER` writes studio.js, studio.css and template.html there. `cargo xtask site` makes the one file of them.
+// Bundles the page: `node build.mjs OUT_FOLDER` writes studio.js, studio.css and template.html there.
+// `cargo xtask site` makes the single file from them.
 
 import { copyFile, mkdir } from "node:fs/promises";
 import { join } from "node:path";

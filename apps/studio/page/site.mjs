@@ -1,6 +1,7 @@
-// Makes the one file: `node site.mjs ENGINE.wasm OUT.html [LOGS]`. What build.mjs bundles goes into the template, with the engine (gzip, base64)
-// and its worker as data, and a Content-Security-Policy that lets nothing else run and nothing be fetched. The real flights of offered.json
-// are put in where the folder LOGS has them: the project itself has no copy of any.
+// Makes the single file: `node site.mjs ENGINE.wasm OUT.html [LOGS]`. The template gets what build.mjs
+// bundles, the engine (gzip, base64) and its worker as data, and a Content-Security-Policy that lets nothing
+// else run and nothing be fetched. The real flights of offered.json are included if the folder LOGS has them:
+// the project itself has no copy of any.
 
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -59,13 +60,13 @@ const policy = [
   `style-src ${hash(style)}`,
   "worker-src blob:",
   "img-src data: blob:",
-  // `pylon studio` puts 'self' in its place: the page asks it for the flights.
+  // `pylon studio` replaces this by 'self', because the page requests the flights from it.
   "connect-src 'none'",
   "base-uri 'none'",
   "form-action 'none'",
 ].join("; ");
 
-/** Puts a text at a mark of the template; functions, so that no `$` in the text means anything. */
+/** Puts a text at a mark of the template, by a function, so that `$` in the text has no special meaning. */
 function put(html, mark, text) {
   if (html.split(mark).length !== 2) throw new Error(`the template must have ${mark} once`);
   return html.replace(mark, () => text);
@@ -76,12 +77,12 @@ html = put(html, "</head>", `<style>${style}</style>\n</head>`);
 html = put(
   html,
   "</body>",
-  // The page is drawn before the engine, most of the file, has been read.
+  // The page is drawn before the engine, which is most of the file, has been read.
   `<script>${script}</script>\n<script type="text/plain" id="pylon-worker">${inside(worker, "script")}</script>\n` +
     `<script type="text/plain" id="pylon-offered">${inside(JSON.stringify(offered).replaceAll("<", "\\u003c"), "script")}</script>\n` +
     `<script type="text/plain" id="pylon-engine">${engine}</script>\n</body>`,
 );
-// Whole or not at all.
+// Written whole or not at all.
 writeFileSync(`${out}.part`, html);
 renameSync(`${out}.part`, out);
 const kilobytes = (bytes) => `${Math.round(bytes / 1000)} kB`;

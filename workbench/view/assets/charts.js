@@ -8,7 +8,7 @@ const pylonCharts = (() => {
   document.body.append(probe);
   let known = {};
 
-  // The style sheet's colour of that name, as it is now: light or dark.
+  // The style sheet's colour of that name in the present theme, light or dark.
   function colour(name) {
     if (!known[name]) {
       probe.style.color = `var(--${name})`;
@@ -89,7 +89,7 @@ const pylonCharts = (() => {
     return least == null ? [-1, 1] : uPlot.rangeNum(least, greatest, 0.06, true);
   }
 
-  // Inside of the diagram's axes only.
+  // Draws only inside the diagram's axes.
   function clipped(plot, draw) {
     const { ctx, bbox } = plot;
     ctx.save();
@@ -130,7 +130,7 @@ const pylonCharts = (() => {
         ctx.setLineDash([7 * ratio, 5 * ratio]);
         line(ctx, bbox.left, at, bbox.left + bbox.width, at);
         ctx.setLineDash([]);
-        // Above its line, or below where the diagram's edge would cut it off.
+        // Above its line, or below it if the diagram's edge would cut it off.
         const height = (textSize() + 3) * ratio;
         const base = at - 3 * ratio - height < bbox.top ? at + height : at - 3 * ratio;
         if (name) label(ctx, name, bbox.left + 6 * ratio, base, role, ratio);
@@ -154,7 +154,7 @@ const pylonCharts = (() => {
     ctx.stroke();
   }
 
-  // Text with the ground's colour around it, to be read over whatever is drawn there.
+  // Text outlined in the background colour, to be readable over anything.
   function label(ctx, text, x, y, role, ratio) {
     const { strokeStyle, lineWidth } = ctx;
     ctx.strokeStyle = colour("ground");
@@ -205,7 +205,7 @@ const pylonCharts = (() => {
     return plot;
   }
 
-  // All diagrams of a group, or the one alone.
+  // Acts on all diagrams of a group, or on the one alone.
   function together(place, act) {
     const { spec } = drawn.get(place);
     for (const other of drawn.values()) {
@@ -229,7 +229,7 @@ const pylonCharts = (() => {
     });
   }
 
-  // Moves the cursor by so many pixels; at the edge of a zoomed diagram, the diagram.
+  // Moves the cursor by a number of pixels; at the edge of a zoomed diagram, moves the diagram.
   function move(place, pixels) {
     const { plot } = place;
     const width = plot.over.clientWidth;

@@ -1,4 +1,4 @@
-"""What other programs' own readers see in what `pylon export` wrote: column -> [rows, values that are there, their sum]."""
+"""What other programs' own readers find in a `pylon export`: column -> [rows, values present, their sum]."""
 
 import csv
 import json

@@ -1,4 +1,4 @@
-"""Writes a flight's CSV as Parquet, in the types that other programs' tables have.
+"""Writes a flight's CSV as Parquet, with the column types of other programs' tables.
 
 `write.py FLIGHT.csv TABLE.parquet COMPRESSION PAGE_VERSION USE_DICTIONARY`
 """

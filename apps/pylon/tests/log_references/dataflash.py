@@ -1,6 +1,7 @@
-"""What pymavlink makes of an ArduPilot log, in a flight's columns.
+"""An ArduPilot log as pymavlink reads it, in a flight's columns.
 
-`dataflash.py LOG` writes one JSON object: each column's samples as [seconds, value], times since the first of all.
+`dataflash.py LOG` writes one JSON object: each column's samples as [seconds, value], times since
+the first sample of all.
 `dataflash.py --text LOG` writes the log as text, as ArduPilot's own programs do.
 """
 

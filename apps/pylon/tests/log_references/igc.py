@@ -1,7 +1,8 @@
-"""What aerofiles makes of an IGC log, in a flight's columns.
+"""An IGC log as aerofiles reads it, in a flight's columns.
 
-`igc.py LOG` writes one JSON object: each column's samples as [seconds, value], times since the first of all. Altitudes of zero are what
-recorders write for none. The format leaves the airspeed's unit to the recorder's maker: its numbers are as they stand.
+`igc.py LOG` writes one JSON object: each column's samples as [seconds, value], times since the first fix.
+Recorders write an altitude of zero for none. The format leaves the airspeed's unit to the recorder's maker,
+so its numbers are not converted.
 """
 
 import json
@@ -28,7 +29,7 @@ for column, key, only_3d in [("gps_alt_m", "gps_alt", True), ("baro_alt_m", "pre
     ]
     if samples:
         found[column] = samples
-# Satellites belong to the fix: where that has no altitude, nothing is said of it.
+# Satellites belong to the fix: without an altitude they are left out.
 for extension, column, only_3d in [("TAS", "igc_tas", False), ("SIU", "gps_sats", True)]:
     samples = [
         [seconds(fix) - start, float(fix[extension])]

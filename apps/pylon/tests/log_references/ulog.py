@@ -1,6 +1,7 @@
-"""What pyulog makes of a PX4 log, in a flight's columns.
+"""A PX4 log as pyulog reads it, in a flight's columns.
 
-`ulog.py LOG` writes one JSON object: each column's samples as [seconds, value], times since the first of all.
+`ulog.py LOG` writes one JSON object: each column's samples as [seconds, value], times since the
+first sample of all.
 """
 
 import json

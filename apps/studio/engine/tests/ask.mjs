@@ -1,5 +1,5 @@
-// node ask.mjs MODULE FLIGHT REQUEST...: opens the flight (as "flight"), asks the module each request, and writes what comes beside the
-// last answer, or that answer where nothing does, to standard output.
+// node ask.mjs MODULE FLIGHT REQUEST...: opens the flight (as "flight"), sends the module each request, and
+// writes to standard output what comes beside the last answer, or that answer if nothing does.
 import { readFileSync, writeSync } from "node:fs";
 import { basename } from "node:path";
 

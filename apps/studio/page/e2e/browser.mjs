@@ -1,4 +1,4 @@
-// A page of the studio in headless Chromium, and what is waited for in it.
+// A page of the studio in headless Chromium, and functions that wait for its content.
 
 import { existsSync, mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -9,15 +9,15 @@ import { chromium } from "playwright-core";
 const here = dirname(fileURLToPath(import.meta.url));
 export const root = resolve(here, "../../../..");
 export const realLogs = resolve(root, "../shared/flights/real");
-/** `cargo xtask site` makes it. */
+/** The studio's page, made by `cargo xtask site`. */
 export const studio = process.env.PYLON_STUDIO ?? join(root, "target/studio/studio.html");
-/** The command line's program; `cargo xtask test studio` says which. */
+/** The command line's program, named by `cargo xtask test studio`. */
 export const pylon = process.env.PYLON_BIN ?? ["debug", "release"].map((profile) => join(root, "target", profile, "pylon")).find(existsSync);
 export const withoutPylon = pylon === undefined ? "no pylon is built: cargo build --bin pylon, or PYLON_BIN" : false;
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-/** A folder for pictures to look at, where one is named. */
+/** Folder for screenshots, if one is named. */
 const shots = process.env.PYLON_SHOTS;
-/** Others may be building on the machine. */
+/** Long, because the machine may also be building. */
 const PATIENCE_MS = 60_000;
 
 export const DESK = { width: 1280, height: 720 };
@@ -30,7 +30,7 @@ export async function launch() {
   });
 }
 
-/** A page that has been opened, and everything that it did wrong: to be empty at the end. */
+/** Opens a page. `wrongs` collects everything that it does wrong, and must be empty at the end. */
 export async function open(browser, { viewport = DESK, colorScheme = "light", before = async () => undefined } = {}) {
   const context = await browser.newContext({ viewport, colorScheme, acceptDownloads: true });
   context.setDefaultTimeout(PATIENCE_MS);
@@ -41,7 +41,7 @@ export async function open(browser, { viewport = DESK, colorScheme = "light", be
   return { context, page, wrongs };
 }
 
-/** What a page does wrong from now on; it may ask for some addresses. */
+/** Collects what a page does wrong from now on; it may request some addresses. */
 export function watched(page, isAllowed) {
   const wrongs = [];
   page.on("console", (message) => {
@@ -61,7 +61,7 @@ export async function openSample(page, name) {
 
 /** Chooses files by the button, as a user does. */
 export async function choose(page, files) {
-  // The page may exchange the button for another while it starts: a click that met the old one is made again.
+  // The page may replace the button while it starts: a click on the old one is repeated.
   const [chooser] = await Promise.all([
     page.waitForEvent("filechooser"),
     page.getByRole("button", { name: /^(Choose a log|Open)…$/ }).first().click(),
@@ -82,7 +82,7 @@ export async function drop(page, name, text) {
   await page.dispatchEvent("body", "drop", { dataTransfer: transfer });
 }
 
-/** The sentence on top, once it says what was found. */
+/** The sentence at the top, once it reports what was found. */
 export async function sentence(page) {
   await page.waitForFunction(() => {
     const text = document.querySelector("h1")?.textContent ?? "";
@@ -91,7 +91,7 @@ export async function sentence(page) {
   return (await page.locator("h1").textContent()).replace(/^[✓!✕]/, "").trim();
 }
 
-/** The rms errors at the bottom, metres: of each revision those learned and held out. */
+/** The rms errors at the bottom, metres: for each revision, learned and held out. */
 export async function revisions(page) {
   const rows = await page.locator(".revision").evaluateAll((list) =>
     list.map((revision) => [...revision.querySelectorAll(".revision-bar .number")].map((value) => Number.parseFloat(value.textContent ?? ""))));
@@ -103,14 +103,14 @@ export async function revisionsAre(page, count) {
   return revisions(page);
 }
 
-/** What axe finds, as lines. */
+/** Violations that axe finds, as lines. */
 export async function violations(page) {
   await page.evaluate(axe);
   const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
   return found.violations.flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary }) => `${id}: ${html.slice(0, 160)} ${failureSummary ?? ""}`));
 }
 
-/** Takes a picture to look at, if PYLON_SHOTS names a folder for them. */
+/** Takes a screenshot, if PYLON_SHOTS names a folder for them. */
 export async function shoot(page, name) {
   if (!shots) return;
   mkdirSync(shots, { recursive: true });

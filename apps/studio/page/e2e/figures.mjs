@@ -1,4 +1,5 @@
-// How long the page takes for an hour of flight, 720,000 rows: `npm run figures`, with PYLON_BIN naming a release build of pylon.
+// How long the page takes for an hour of flight, 720,000 rows: `npm run figures`, with PYLON_BIN naming a
+// release build of pylon.
 
 import { execFileSync, spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, readdirSync, rmSync, statSync, writeFileSync } from "node:fs";
@@ -8,7 +9,9 @@ import { gzipSync } from "node:zlib";
 
 import { choose, launch, open, pylon, revisions, revisionsAre, sentence, studio } from "./browser.mjs";
 
-/** As `cargo xtask bench` has its long flight (xtask/src/bench/long_flight.rs): manoeuvre, seconds, what it asks for. */
+/**
+ * Like `cargo xtask bench`'s long flight (xtask/src/bench/long_flight.rs): manoeuvre, seconds, parameters.
+ */
 const ROUND = [
   ["turn", 60, "bank_deg = 25.0"], ["straight", 20, ""], ["climb", 20, "flight_path_deg = 4.0"], ["level_off", 20, ""],
   ["dive", 20, "flight_path_deg = -4.0"], ["level_off", 20, ""], ["turn", 60, "bank_deg = -25.0"],
@@ -55,7 +58,7 @@ function processes() {
   return [...parents.keys()].filter(isOwn);
 }
 
-/** Seconds of processor that they have taken: what a machine that does nothing else needs, if it did one thing after the other. */
+/** Processor seconds that they have taken: what an idle machine needs to do one thing after the other. */
 function processor() {
   let ticks = 0;
   for (const pid of processes()) {
@@ -67,7 +70,7 @@ function processor() {
   return ticks / 100;
 }
 
-/** The memory of this program's browser, MB: what its pages and their workers have, and all of it. Shared pages count once (PSS). */
+/** Memory of this browser, MB: of its pages with their workers, and in all. Shared pages count once (PSS). */
 function memory() {
   const sum = { pages: 0, all: 0 };
   for (const pid of processes()) {
@@ -80,7 +83,7 @@ function memory() {
   return sum;
 }
 
-/** The frames while something is done over the error's curve: from one to the next, and what the page's own thread does for each, ms. */
+/** Frames during an action over the error's curve: intervals, and work of the page's thread for each, ms. */
 async function frames(tab, name, act) {
   const box = await tab.locator(".chart.error .u-over").boundingBox();
   const session = await tab.context().newCDPSession(tab);

@@ -1,6 +1,6 @@
-// A log that is made here.
+// A generated log.
 
-/** A glider's log: it climbs in circles and glides out, with a barometer that lies by two in a hundred. */
+/** A glider's log: it climbs in circles and glides out, with a barometer whose scale is wrong by 2 %. */
 export function igc(pilot, glider) {
   const lines = ["AXXX001 made by a test", "HFDTE010624", `HFPLTPILOTINCHARGE:${pilot}`, `HFGTYGLIDERTYPE:${glider}`, `HFGIDGLIDERID:${glider}`];
   const two = (value) => String(value).padStart(2, "0");

@@ -1,4 +1,4 @@
-// A page with its flights inside, as it is sent to somebody else.
+// A page with its flights inside, as it is sent to another person.
 
 import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
@@ -43,7 +43,7 @@ test("it opens elsewhere on what was said, with the flights, the model and its r
     other.setDefaultTimeout(60_000);
     const sent = await other.newPage();
     const address = pathToFileURL(file).href;
-    // The engine waits, so that what is read first is what the page brought.
+    // The engine waits, so that what is read first is what the page has inside.
     await sent.addInitScript(() => {
       const compile = WebAssembly.compile.bind(WebAssembly);
       const until = new Promise((go) => { globalThis.letGo = go; });
@@ -61,7 +61,7 @@ test("it opens elsewhere on what was said, with the flights, the model and its r
     await sent.getByRole("button", { name: "Undo" }).click();
     assert.equal((await revisionsAre(sent, 1)).length, 1);
     assert.deepEqual(complaints, []);
-    // What was sent is not kept beside the reader's own.
+    // What was sent is not kept in the recipient's browser.
     await sent.waitForTimeout(400);
     const kept = await sent.evaluate(async () => (await indexedDB.databases()).map(({ name }) => name));
     assert.deepEqual(kept, []);

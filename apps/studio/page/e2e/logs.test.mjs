@@ -1,4 +1,4 @@
-// A log of each format is opened, drawn, and said something about.
+// A log of each format is opened and drawn, and gets a sentence.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -19,7 +19,7 @@ async function opens(file) {
   const said = await sentence(page);
   assert.ok(said.length > 20, said);
   assert.equal(await page.locator(".flight.failed").count(), 0, said);
-  // A file's name, never its path.
+  // The page shows a file's name, never its path.
   assert.ok(!(await page.locator("body").innerText()).includes("/shared/flights"));
   if (await page.locator(".chart.error canvas").count()) {
     assert.ok(await page.locator(".chart.error canvas").first().evaluate(isDrawn), "the error is drawn");

@@ -14,7 +14,7 @@ const isWhole = async (page) => page.evaluate(() => {
   return { across: scrollWidth <= innerWidth, down: innerWidth < 700 || scrollHeight <= innerHeight };
 });
 
-/** What reaches beyond the sides of the screen. */
+/** Elements that extend beyond the sides of the screen. */
 const cut = async (page) => page.locator("button, select, h1, h2, .legend-entry").evaluateAll((all) => all
   .filter((one) => one.checkVisibility() && one.getBoundingClientRect().width > 1)
   .filter((one) => one.getBoundingClientRect().right > innerWidth + 1 || one.getBoundingClientRect().left < -1)

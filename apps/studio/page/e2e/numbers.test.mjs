@@ -1,4 +1,5 @@
-// The page against the command line, on one file: what is exported is the same to the last byte, and what is shown are its digits.
+// The page against the command line, on one file: exports are equal to the last byte, and what is shown has
+// the same digits.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -28,7 +29,7 @@ async function exported(page, name) {
   return readFileSync(await download.path(), "utf8");
 }
 
-/** A number as it is shown is the other, rounded to the digits that are shown. */
+/** A shown number is the other one, rounded to the digits that are shown. */
 function shows(text, value) {
   const plain = text.replace("−", "-");
   const digits = (/\.(\d+)/.exec(plain)?.[1] ?? "").length;
@@ -54,7 +55,7 @@ test("the page's numbers are the command line's, digit for digit", { skip: witho
   const before = ladder();
   assert.equal(await exported(page, "Revisions (JSON)"), before);
 
-  // What is read off the screen.
+  // What the screen shows.
   const candidates = JSON.parse(diagnosis).sensors.baro.candidates;
   const found = candidates.find(({ effect }) => effect === "baro.dynamic_pressure");
   const row = page.locator('.effect[data-effect="baro.dynamic_pressure"]');

@@ -1,4 +1,4 @@
-// An effect of the user's own, by formula, and laws that are searched for.
+// The user's own effect, defined by a formula, and the search for laws.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -21,11 +21,11 @@ test("a formula is checked where it is typed, drawn over the error, added, and u
   const formula = page.getByLabel("Formula of the effect");
   const echo = page.locator(".formula-echo mark");
 
-  // What is wrong is marked at its place: two things that can't be added, a column that is not there, an end too soon.
+  // An error is marked at its place: two things that can't be added, a missing column, an end too soon.
   for (const [text, marked] of [["1 + tas_mps", "tas_mps"], ["tas_mps^2 / (2*g) * flaps", "flaps"], ["tas_mps^2 / (2*", null]]) {
     await formula.fill(text);
     await page.locator(".formula-echo", { hasText: text }).waitFor();
-    // The last one ends too soon: its place is its end.
+    // The last formula ends too soon: the place is its end.
     if (marked !== null) assert.ok((await echo.textContent()).includes(marked), await echo.textContent());
     assert.ok((await page.locator(".formula-problem").textContent()).length > text.length + 10);
     assert.equal(await page.locator(".formula-fit").count(), 0);
@@ -33,7 +33,7 @@ test("a formula is checked where it is typed, drawn over the error, added, and u
   await shoot(page, "own-problem");
   assert.deepEqual(await violations(page), []);
 
-  // The scenario's own law by hand: it takes what the catalogue's effect would.
+  // The scenario's own law, typed by hand: it explains what the catalogue's effect would.
   await formula.fill("tas_mps^2 / (2*g)");
   await page.locator(".chart.error .legend-entry", { hasText: "What if: baro.tas_mps" }).waitFor();
   const share = Number(/explains (\d+) %/.exec(await page.locator(".formula-fit").textContent())?.[1]);
@@ -42,7 +42,7 @@ test("a formula is checked where it is typed, drawn over the error, added, and u
   assert.deepEqual(await violations(page), []);
   const [[was]] = await revisionsAre(page, 1);
   await page.locator(".formula-fit .add").click();
-  // It is the catalogue's own effect under another name, and the engine says so before it is added.
+  // It is the catalogue's own effect under another name, and the engine reports that before it is added.
   const doubted = page.getByRole("alertdialog");
   await doubted.waitFor();
   assert.match(await doubted.textContent(), /can't distinguish it from/);
@@ -73,11 +73,11 @@ test("the correlation with a signal has both sides and a band; a layout is kept 
   const picture = page.getByRole("img", { name: /^Correlation of the error.* with speed/ });
   await picture.waitFor();
   const [, value, band] = /speed: (−?[\d.]+) where .* within ([\d.]+)/.exec(await picture.getAttribute("aria-label"));
-  // A static-port error goes with the speed.
+  // A static-port error is correlated with the speed.
   assert.ok(Math.abs(Number(value.replace("−", "-"))) > Number(band), `${value} within ${band}`);
   await shoot(page, "cross");
 
-  // A layout that has a name comes back, also after a reload.
+  // A named layout can be restored, also after a reload.
   await page.getByLabel("Layouts").click();
   await page.getByLabel("Name of this layout").fill("for lags");
   await page.getByRole("button", { name: "Keep" }).click();
@@ -102,14 +102,17 @@ test("a search for laws tells how far it is, and can be cancelled", async () => 
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.locator(".notice", { hasText: "Cancelled" }).waitFor();
   assert.equal(await page.locator(".law").count(), 0);
-  // The page goes on.
+  // The page still works.
   await page.getByLabel("Formula of the effect").fill("tas_mps^2 / (2*g)");
   await page.locator(".formula-fit").waitFor();
   assert.deepEqual(wrongs, []);
   await context.close();
 });
 
-/** A simulated flight with a flap that nobody knows: 8 m a unit under it. The fewer signals, the sooner the search is over. */
+/**
+ * A simulated flight with a flap that no known effect describes: 8 m a unit under it. With few signals the
+ * search is short.
+ */
 function withFlap() {
   const folder = mkdtempSync(join(tmpdir(), "pylon-flap-"));
   try {
@@ -141,10 +144,10 @@ test("a law that is found is listed; a click makes it the formula, and it is add
   await drop(page, "flap.csv", withFlap());
   await sentence(page);
   const [[was]] = await revisionsAre(page, 1);
-  // What nothing explains is not taken for the reference's wander.
+  // An error that nothing explains is not attributed to the reference's wander.
   await page.getByText("Error against the reference").waitFor();
   await page.getByRole("button", { name: "Discover a law…" }).click();
-  // The search takes longer than what else is waited for.
+  // The search takes longer than anything else that is waited for.
   const law = page.getByRole("button", { name: /^Make .*flap.* the formula$/ }).first();
   await law.waitFor({ timeout: 300_000 });
   await shoot(page, "own-law");

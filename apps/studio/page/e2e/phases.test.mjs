@@ -1,4 +1,4 @@
-// Calibration, take-off and landing, moved by mouse and keys: everything is computed anew, as the command line does.
+// Calibration, take-off and landing, moved by mouse and keys: all is computed again, as by the command line.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -15,7 +15,7 @@ before(async () => { browser = await launch(); });
 after(async () => browser.close());
 
 const at = async (page, name) => Number(await page.getByRole("slider", { name }).getAttribute("aria-valuenow"));
-/** Once what is written is of the newest times. */
+/** Waits until what is shown belongs to the newest times. */
 const settled = async (page) => { await page.waitForTimeout(400); await sentence(page); };
 
 test("take-off and landing are dragged, and moved by keys", { skip: withoutPylon }, async () => {
@@ -48,7 +48,7 @@ test("take-off and landing are dragged, and moved by keys", { skip: withoutPylon
     const moved = await at(page, /^Take-off/);
     assert.ok(Math.abs(moved - takeOff - 30) < 0.2, `${takeOff} + 30 s is not ${moved}`);
 
-    // What the page computes is what the command line does with the same times.
+    // The page computes the same as the command line with the same times.
     const download = page.waitForEvent("download");
     await page.getByText("Export").click();
     await page.getByRole("button", { name: "Comparison (JSON)" }).click();
@@ -60,7 +60,7 @@ test("take-off and landing are dragged, and moved by keys", { skip: withoutPylon
     })));
     assert.ok(given.take_off_s > 0 && given.landing_s < landing, JSON.stringify(given));
     const line = execFileSync(pylon, ["compare", "glider.igc", "--airborne", `${given.take_off_s}..${given.landing_s}`, "--json"], { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
-    // The model's name is the page's file and the command line's preset.
+    // Only the model's name differs: the page has a file's, the command line a preset's.
     const { model: _, ...page_ } = JSON.parse(own);
     const { model: __, ...line_ } = JSON.parse(line);
     assert.deepEqual(page_, line_);

@@ -27,7 +27,7 @@ async function opened(options) {
   return one;
 }
 
-/** One sigma then, of an effect, as it is written. */
+/** An effect's sigma with the planned flight, as it is written. */
 const sigma = async (page, effect) => Number(/± ([\d.e−-]+)/.exec(await page.locator(`.plan-intervals [data-effect="${effect}"] td`).last().textContent())[1]);
 
 test("a plan is suggested, changed, and what it would tell follows", async () => {
@@ -35,7 +35,7 @@ test("a plan is suggested, changed, and what it would tell follows", async () =>
   assert.ok(await page.locator(".plan-leg").count() >= 1, "something is suggested");
   assert.equal(await page.locator(".plan-offer").count(), 7);
   assert.ok(!(await page.locator(".plan-offer").first().textContent()).includes("can't be flown"));
-  // The worst there is: straight and level. Then a speed sweep beside it.
+  // The worst plan, straight and level; then with a speed sweep added.
   await page.getByRole("button", { name: /^\+ Straight and level/ }).click();
   for (let left = await page.locator(".plan-leg").count(); left > 1; left -= 1) await page.getByRole("button", { name: /^Leave out/ }).first().click();
   await page.waitForTimeout(300);
@@ -46,7 +46,7 @@ test("a plan is suggested, changed, and what it would tell follows", async () =>
   await planned(page);
   const swept = await sigma(page, "baro.propwash");
   assert.ok(swept < 0.95 * level, `${level} level, ${swept} with a sweep`);
-  // What cannot be flown is said, and the last plan that could stays.
+  // A plan that cannot be flown is reported, and the last one that could stays.
   await page.getByLabel("Speed sweep: ±").fill("90");
   await page.locator(".plan-problem").waitFor();
   assert.match(await page.locator(".plan-problem").textContent(), /90: expected 1 to/);
@@ -54,7 +54,7 @@ test("a plan is suggested, changed, and what it would tell follows", async () =>
   await page.locator(".plan-problem").waitFor({ state: "detached" });
   await planned(page);
   assert.ok(await sigma(page, "baro.propwash") > swept, "less of a sweep tells less");
-  // Closed by the keyboard, and as it was when it is opened again.
+  // Closed by the keyboard, and unchanged when it is opened again.
   await page.keyboard.press("Escape");
   assert.equal(await page.locator(".plan[open]").count(), 0);
   await page.getByRole("button", { name: "Plan the next flight…" }).first().click();

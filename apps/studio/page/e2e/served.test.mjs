@@ -53,7 +53,7 @@ test("a served flight is open at once; Save writes the model, but not over anoth
     assert.match(await page.locator(".notice").textContent(), /: [1-9]\d{3,} ticks .* each bit for bit the host's/);
     await page.getByRole("button", { name: "Dismiss" }).click();
 
-    // Another program changes the file: it is not overwritten, and shown.
+    // Another program changes the file: the file is not overwritten, and its new model is shown.
     writeFileSync(file, `${written}\n# by hand\n`);
     await page.getByRole("button", { name: "Undo" }).click();
     await revisionsAre(page, 1);

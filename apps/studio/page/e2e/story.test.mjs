@@ -1,4 +1,4 @@
-// The way of a user: open, read, brush, add, see the error fall, undo, reload, export.
+// A user's session: open, read, brush, add, see the error fall, undo, reload, export.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -25,8 +25,8 @@ test("a cause is read, added, undone, and kept over a reload", async () => {
   await page.getByRole("switch").first().click();
   await page.locator(".chart.error .legend-entry", { hasText: "What if" }).waitFor({ state: "detached" });
 
-  // A stretch that is brushed is highlighted in the scatter.
-  // Its chart may just be made anew.
+  // A brushed stretch is highlighted in the scatter.
+  // Wait: its chart may be about to be replaced.
   await page.waitForTimeout(300);
   const curve = await page.locator(".chart.error .u-over").boundingBox();
   await page.mouse.move(curve.x + 0.55 * curve.width, curve.y + 30);
@@ -49,7 +49,7 @@ test("a cause is read, added, undone, and kept over a reload", async () => {
   assert.ok(less < 0.7 * was, `${was} m before, ${less} m after`);
   const learned = await sentence(page);
   await page.locator(".chart.error .legend-entry", { hasText: "After" }).waitFor();
-  // What is called "After" is so: in the dive, where the error was largest.
+  // "After" shows the error after the addition: checked in the dive, where the error was largest.
   await page.mouse.move(curve.x + 0.555 * curve.width, curve.y + 30);
   const value = async (name) => Number.parseFloat((await page.locator(".chart.error .legend-entry", { hasText: name }).locator("b").textContent()).replace("−", "-"));
   const [then, now] = [await value("Before"), await value("After")];
@@ -71,11 +71,11 @@ test("a cause is read, added, undone, and kept over a reload", async () => {
   const compared = JSON.parse(await readFile(await json.path(), "utf8"));
   assert.ok(compared.sensors.baro.free_flight_rms_m < 0.7 * was);
 
-  // Undo leads back to the model that it was opened with.
+  // Undo goes back to the model that the page was opened with.
   await page.getByRole("button", { name: "Undo" }).click();
   assert.deepEqual(await revisionsAre(page, 1), [[was]]);
   assert.ok(await page.getByRole("button", { name: "Undo" }).isDisabled());
-  // A model of one's own is dropped as well.
+  // A user's own model can be dropped too.
   await drop(page, "ours.toml", model);
   await revisionsAre(page, 2);
   await drop(page, "broken.toml", "[[effect]]\nid = 7\n");

@@ -9,12 +9,12 @@ let browser;
 before(async () => { browser = await launch(); });
 after(async () => browser.close());
 
-/** As much as the engine may have here: enough for the flight, too little for the log. */
+/** Memory limit of the engine in this test: enough for the flight, too little for the log. */
 const MEMORY_MB = 192;
-/** The log: two bytes of text a value, several in memory. */
+/** Size of the log: two bytes of text a value, several in memory. */
 const LOG_MB = 60;
 
-/** In the page, before its script: the engine's module gets a memory that cannot grow beyond so many pages of 64 kB. */
+/** Runs in the page before its script: limits the engine's memory to this many pages of 64 kB. */
 function limitMemory(pages) {
   const compile = WebAssembly.compile.bind(WebAssembly);
   WebAssembly.compile = async (source) => {
@@ -35,9 +35,9 @@ function limitMemory(pages) {
       const section = bytes[at++];
       const end = number() + at;
       if (section === 5) {
-        number(); // one memory,
-        number(); // whose limits are a least number alone,
-        const least = number(); // this one.
+        number(); // number of memories: one
+        number(); // kind of its limits: a minimum alone
+        const least = number(); // the minimum
         const body = [1, 1, ...encoded(least), ...encoded(pages)];
         return compile(new Uint8Array([...bytes.subarray(0, start), 5, ...encoded(body.length), ...body, ...bytes.subarray(end)]));
       }
@@ -64,9 +64,9 @@ test("a log that is too large for the engine kills its worker; the page says so 
   }, LOG_MB);
   const failed = page.locator(".flight.failed");
   await failed.waitFor();
-  assert.match(await failed.textContent(), /killer\.csv.*engine broke off.*everything else goes on/s);
+  assert.match(await failed.textContent(), /killer\.csv.*engine crashed.*nothing else is affected/s);
 
-  // The flight beside it is worked on as before, also by the worker that was killed.
+  // The other flight is worked on as before, also by the worker that was killed.
   await page.locator(".effect.suspect .add").first().click();
   const [[was], [less]] = await revisionsAre(page, 2);
   assert.ok(less < 0.7 * was, `${was} m before, ${less} m after`);

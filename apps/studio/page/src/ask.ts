@@ -1,4 +1,4 @@
-// The engine of this page, started when it is first asked.
+// The engine of this page, started at the first request.
 
 import { server } from "./engine/server";
 import { startStudio } from "./engine/client";
@@ -13,7 +13,7 @@ function engine(): Promise<Studio> {
   return (started ??= startStudio());
 }
 
-/** What `pylon studio` serves; null for a page from a disk. */
+/** The server of `pylon studio`; null for a page from a disk. */
 export const served = server();
 
 export async function ask<N extends Asked>(call: N, of: Calls[N]["of"], options?: CallOptions): Promise<Resolved<Calls[N]["answer"]>> {

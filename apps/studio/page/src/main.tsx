@@ -1,4 +1,4 @@
-// Begins: the screen first, then the engine and what was open before.
+// Starts the page: the screen first, then the engine and what was open before.
 
 import { render } from "preact";
 

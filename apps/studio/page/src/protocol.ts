@@ -1,4 +1,4 @@
-// What the engine is asked and answers, with the arrays in place.
+// The engine's requests and answers, with the arrays in place.
 
 import type * as Engine from "./generated/protocol";
 import type { Resolved } from "./engine/client";

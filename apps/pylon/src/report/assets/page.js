@@ -1,4 +1,4 @@
-// Draws diagrams when they come into view, and listens to the keyboard and to the button of the colours.
+// Draws diagrams when they come into view, and handles the keyboard and the theme button.
 "use strict";
 
 (() => {
@@ -60,7 +60,7 @@
     pylonCharts.recolour();
   }
 
-  // A page opened from a file may not be allowed to remember anything.
+  // A page opened from a file may not be allowed to store anything.
   function remembered() {
     try { return localStorage.getItem(KEY) ?? "auto"; } catch { return "auto"; }
   }

@@ -1,5 +1,5 @@
-// What Foxglove's own reader sees in an MCAP of `pylon export`: column -> [samples, sum of the finite ones]. Every message is checked
-// against the JSON schema of its channel, by which alone its keys are known.
+// What Foxglove's own reader finds in an MCAP of `pylon export`: column -> [samples, sum of the finite ones].
+// Every message is checked against the JSON schema of its channel, the only source of its keys.
 
 import { readFileSync } from "node:fs";
 import { McapIndexedReader, McapStreamReader } from "@mcap/core";
@@ -10,7 +10,7 @@ const bytes = readFileSync(file);
 const schemas = new Map();
 const channels = new Map();
 const counts = {};
-// Messages of Foxglove's own schema, which its map shows; their numbers are the columns' once more.
+// Messages of Foxglove's own schema, which its map shows; their numbers repeat the columns'.
 const fixes = [];
 let messages = 0;
 
@@ -42,7 +42,7 @@ function take(schema, channel, message) {
   }
 }
 
-// By the index at its end, as Foxglove opens a file.
+// Read by the index at the end, as Foxglove opens a file.
 const reader = await McapIndexedReader.Initialize({
   readable: {
     size: async () => BigInt(bytes.length),
@@ -66,7 +66,7 @@ for await (const message of reader.readMessages()) {
   take(reader.schemasById.get(channel.schemaId), channel, message);
 }
 
-// From its beginning, checksums and all, as a stream is read.
+// Read from the beginning with its checksums, as a stream.
 const stream = new McapStreamReader({ validateCrcs: true });
 stream.append(bytes);
 let streamed = 0;

@@ -9,7 +9,7 @@ const MARGIN = 3;
 interface CloudProps {
   readonly x: Float64Array;
   readonly y: Float64Array;
-  /** Of the line through the middle of the points. */
+  /** Slope of the line through the middle of the points. */
   readonly slope: number;
   readonly label: string;
 }

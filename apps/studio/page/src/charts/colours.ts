@@ -1,4 +1,4 @@
-// The style sheet's colours as a canvas needs them, in the theme of the moment.
+// The style sheet's colours as a canvas needs them, in the present theme.
 
 export type Role =
   | "ink" | "faint" | "grid" | "rule" | "ground"
@@ -24,13 +24,13 @@ export function colour(role: Role): string {
   return value;
 }
 
-/** The colour, seen through. */
+/** The colour with a transparency. */
 export function faint(role: Role, alpha: number): string {
   const parts = colour(role).match(/[\d.]+/g) ?? ["0", "0", "0"];
   return `rgba(${parts.slice(0, 3).join(", ")}, ${alpha})`;
 }
 
-/** Calls back when the theme has changed; what it returns ends that. */
+/** Calls back when the theme has changed; the returned function ends that. */
 export function onTheme(act: () => void): () => void {
   listeners.add(act);
   return () => listeners.delete(act);
@@ -42,5 +42,5 @@ function changed(): void {
 }
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
-// What is printed is printed on white.
+// Prints are on white.
 matchMedia("print").addEventListener("change", changed);

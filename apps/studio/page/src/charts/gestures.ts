@@ -3,20 +3,20 @@
 import { brush, cursor, drag, pan, show, showWhole, view, zoom } from "../state/view";
 import type { Span } from "../state/view";
 
-/** Fewer pixels are a click. */
+/** A drag of fewer pixels is a click. */
 const CLICK = 4;
 const WHEEL = 0.0015;
 
 export interface Hand {
-  /** What is touched. */
+  /** The element that is touched. */
   readonly area: HTMLElement;
-  /** The part of it that is the time axis, as it lies now. */
+  /** Present rectangle of its time axis. */
   readonly axis: () => DOMRect;
-  /** What is drawn while it is dragged. */
+  /** Draws the span during a drag; null: none. */
   readonly draft: (span: Span | null) => void;
 }
 
-/** Listens; what it returns ends that. */
+/** Listens for gestures; the returned function ends that. */
 export function listen({ area, axis, draft }: Hand): () => void {
   const fingers = new Map<number, number>();
   let begun: { x: number; time: number; view: Span; as: "select" | "pan" | "zoom" } | null = null;
@@ -111,7 +111,7 @@ function ordered(one: number, other: number): Span {
   return { from: Math.max(Math.min(one, other), from), to: Math.min(Math.max(one, other), to) };
 }
 
-/** The same by keys; whether the key was one of its own. */
+/** Handles a key; returns whether it was one of its own. */
 export function press(event: KeyboardEvent): boolean {
   if (event.ctrlKey || event.altKey || event.metaKey) return false;
   const { from, to } = view.value;

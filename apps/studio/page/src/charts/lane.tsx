@@ -1,4 +1,4 @@
-// One signal of the motion in a lane as high as a line of text: every pixel from its least to its greatest value.
+// One signal of the motion in a lane as high as a line of text; each pixel spans its least to greatest value.
 
 import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";

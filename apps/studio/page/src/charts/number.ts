@@ -1,6 +1,6 @@
 // Numbers as the page writes them.
 
-/** Of so many figures that the third that matters is seen, without an exponent where a person would write none. */
+/** With decimals for three significant figures, without an exponent where a person would write none. */
 export function short(value: number): string {
   const size = Math.abs(value);
   if (size === 0) return "0";
@@ -9,7 +9,7 @@ export function short(value: number): string {
   return value.toFixed(digits).replace("-", "−");
 }
 
-/** A length in metres: centimetres are beyond what these sensors can tell. */
+/** A length in metres. These sensors can't resolve centimetres. */
 export function metres(value: number): string {
   const size = Math.abs(value);
   const digits = size >= 100 ? 0 : size >= 0.95 ? 1 : 2;
@@ -37,7 +37,10 @@ export function percent(share: number): string {
   return `${Math.round(share * 100)} %`;
 }
 
-/** A time of the flight's clock, or a length of time: seconds below two minutes, else minutes or hours with seconds. */
+/**
+ * A time of the flight's clock, or a duration: below two minutes in seconds, else minutes or hours with
+ * seconds.
+ */
 export function clock(seconds: number): string {
   const sign = seconds < 0 ? "−" : "";
   const size = Math.abs(seconds);
@@ -48,7 +51,7 @@ export function clock(seconds: number): string {
   return h > 0 ? `${sign}${h}:${two(m)}:${two(s)} h` : `${sign}${m}:${two(s)} min`;
 }
 
-/** The same as a place on the axis: 2:09. */
+/** A time as written on the axis: 2:09. */
 export function moment(seconds: number): string {
   const size = Math.abs(Math.round(seconds));
   const [hours, minutes, rest] = [Math.floor(size / 3600), Math.floor((size % 3600) / 60), size % 60];
@@ -56,7 +59,7 @@ export function moment(seconds: number): string {
   return `${seconds < 0 ? "−" : ""}${hours > 0 ? `${hours}:${two(minutes)}` : minutes}:${two(rest)}`;
 }
 
-/** A unit as it is written behind a number; "1" is none. */
+/** A unit as it is written after a number; empty for "1". */
 export function unit(name: string): string {
   return name === "1" || name === "" ? "" : ` ${name.replace("^2", "²").replace("^3", "³")}`;
 }

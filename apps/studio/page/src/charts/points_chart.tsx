@@ -1,4 +1,4 @@
-// Points and curves over an axis that is no time: scatter, x-y, correlations. Drawn by uPlot.
+// Points and curves over an axis other than time: scatter, x-y, correlations. Drawn by uPlot.
 
 import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
@@ -15,12 +15,12 @@ export interface Layer {
 }
 
 export interface PointsSpec {
-  /** Not falling. */
+  /** Never decreasing. */
   readonly x: ReadonlyArray<number>;
   readonly layers: ReadonlyArray<Layer>;
   readonly xName: string;
   readonly yName: string;
-  /** Dashed lines either side of zero. */
+  /** Distance from zero of the two dashed lines; null for none. */
   readonly band: number | null;
   readonly zero: boolean;
   readonly yRange: [number, number] | null;

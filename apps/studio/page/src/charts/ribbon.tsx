@@ -1,4 +1,4 @@
-// What was when, as stretches along the shared time axis.
+// What happened when, as stretches along the shared time axis.
 
 import type { JSX } from "preact";
 
@@ -21,7 +21,7 @@ export interface RibbonProps {
   readonly look: "trust" | "manoeuvre";
 }
 
-/** A letter of the ribbon's text, pixels. */
+/** Width of a letter of the ribbon's text, pixels. */
 const LETTER = 6.6;
 
 export function Ribbon({ label, name, stretches, look }: RibbonProps): JSX.Element {
@@ -29,7 +29,7 @@ export function Ribbon({ label, name, stretches, look }: RibbonProps): JSX.Eleme
   const { from, to } = view.value;
   const share = (at: number): number => (Math.min(Math.max(at, from), to) - from) / (to - from);
   const seen = stretches.filter((stretch) => stretch.to > from && stretch.from < to);
-  // Of thousands of stretches those are drawn that can be seen.
+  // There may be thousands of stretches: only those wide enough to be seen are drawn.
   const wide = seen.filter((stretch) => (share(stretch.to) - share(stretch.from)) * width > 0.4);
   return (
     <div class={`ribbon ${look}`}>

@@ -14,7 +14,7 @@ import { moment, short } from "./number";
 
 export type Values = ReadonlyArray<number | null>;
 
-/** Stretches without a record, over which no line goes. */
+/** Stretches without a record, which no line crosses. */
 export type Gaps = ReadonlyArray<Span>;
 
 export interface Line {
@@ -24,7 +24,7 @@ export interface Line {
   readonly gaps: Gaps;
   readonly width?: number;
   readonly dashed?: boolean;
-  /** Left out of the legend: another entry speaks for it. */
+  /** Left out of the legend, because another entry covers it. */
   readonly quiet?: boolean;
 }
 
@@ -62,21 +62,21 @@ export interface TimeSpec {
   readonly levels: ReadonlyArray<Level>;
   readonly marks: ReadonlyArray<Mark>;
   readonly shade: Span | null;
-  /** What is not looked at; nothing is drawn there. */
+  /** Span that is ignored; nothing is drawn there. */
   readonly ignored: Span | null;
-  /** Zero belongs into the picture. */
+  /** Whether the vertical range must include zero. */
   readonly zero: boolean;
   readonly unit: string;
 }
 
 export interface TimeChartProps {
-  /** What it shows, for who can't see it. */
+  /** What the chart shows, for those who can't see it. */
   readonly label: string;
   readonly spec: TimeSpec;
   readonly axis: boolean;
 }
 
-/** Round seconds, minutes and hours. */
+/** Steps of the time axis: round seconds, minutes and hours. */
 const STEPS_S = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400];
 
 /** As wide as `--gutter`: the ribbons begin where the curves do. */
@@ -85,7 +85,7 @@ const RIGHT = 10;
 const FONT = '11.5px system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 const nothing = (): null => null;
-/** The height of a name with its distance, pixels. */
+/** Height of a name with its spacing, pixels. */
 const NAME_PX = 17;
 const UNBOUND: uPlot.Cursor.Bind = {
   mousedown: nothing, mouseup: nothing, click: nothing, dblclick: nothing, mousemove: nothing, mouseleave: nothing, mouseenter: nothing,
@@ -223,7 +223,7 @@ function make(
         : { ...common, size: 0, values: (_, splits) => splits.map(() => "") },
       { ...common, size: GUTTER, gap: 4, space: 26, values: (_, splits) => splits.map((value) => `${trimmed(value)}${first.unit}`) },
     ],
-    // The page's own gestures move it.
+    // The page's own gestures move the cursor.
     cursor: { bind: UNBOUND, drag: { x: false, y: false, setScale: false }, points: { show: false }, y: false },
     hooks: {
       drawClear: [(self) => under(self, spec())],
@@ -233,7 +233,7 @@ function make(
   return new uPlot(options, columns(first), box);
 }
 
-// A column without a value is drawn through, but not over a gap of the record.
+// A line continues across a missing value, but not across a gap of the record.
 function pixels(plot: uPlot, gaps: Gaps): uPlot.Series.Gaps {
   return gaps.map(({ from, to }) => [plot.valToPos(from, "x", true), plot.valToPos(to, "x", true)]);
 }
@@ -244,7 +244,7 @@ function trimmed(value: number): string {
   return String(Math.round(value * 1e6) / 1e6).replace("-", "−");
 }
 
-/** Where minutes begin to be written. */
+/** Time from which the axis is labelled in minutes, seconds. */
 const MINUTES_S = 120;
 
 function isInMinutes(splits: ReadonlyArray<number>): boolean {
@@ -260,7 +260,7 @@ function tick(value: number, splits: ReadonlyArray<number>): string {
 function rangeOf(spec: TimeSpec, least: number | null, greatest: number | null): uPlot.Range.MinMax {
   let [low, high] = [least ?? 0, greatest ?? 0];
   if (spec.zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
-  // A limit is shown where it is not far beyond what was measured.
+  // A limit is shown unless it is far beyond what was measured.
   const room = Math.max(high - low, 1e-9);
   for (const { y } of spec.levels) {
     if (y > high && y - high < room) high = y;
@@ -353,7 +353,7 @@ function limit(plot: uPlot, ctx: CanvasRenderingContext2D, level: Level, ratio: 
   if (!level.name) return;
   const end = Math.min(right, plot.bbox.left + plot.bbox.width) - 5 * ratio;
   ctx.textAlign = "right";
-  // Levels lie either side of zero: the name stands beyond the one that has room for it.
+  // Levels come in pairs about zero: the name is written beyond the one with room for it.
   const room = level.y > 0 ? y - plot.bbox.top : plot.bbox.top + plot.bbox.height - y;
   const named = room > NAME_PX * ratio ? level.y : -level.y;
   ctx.textBaseline = named > 0 ? "bottom" : "top";
@@ -379,7 +379,7 @@ function stroke(ctx: CanvasRenderingContext2D, x0: number, y0: number, x1: numbe
   ctx.stroke();
 }
 
-// With the ground about it, to be read over whatever is drawn there.
+// Outlined in the background colour, to be readable over anything.
 function write(ctx: CanvasRenderingContext2D, text: string, x: number, y: number, role: Role, ratio: number): void {
   ctx.strokeStyle = colour("ground");
   ctx.lineWidth = 3.5 * ratio;

@@ -1,4 +1,4 @@
-// The flight seen from above, north up; what was brushed and where the cursor stands are marked.
+// The flight seen from above, north up; the brushed stretch and the cursor are marked.
 
 import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
@@ -9,7 +9,7 @@ import { brush, cursor, view } from "../state/view";
 
 export interface TrackPoints {
   readonly time: ReadonlyArray<number>;
-  /** Metres from where the record begins. */
+  /** Metres from the start of the record. */
   readonly east: ReadonlyArray<number>;
   readonly north: ReadonlyArray<number>;
 }
@@ -75,7 +75,7 @@ export function Track({ points }: { readonly points: TrackPoints }): JSX.Element
 }
 
 interface Extent {
-  /** The middle. */
+  /** The centre. */
   readonly east: number;
   readonly north: number;
   readonly width: number;
@@ -100,7 +100,7 @@ function dot(ctx: CanvasRenderingContext2D, x: number, y: number, style: string,
   ctx.stroke();
 }
 
-// A rule of a round length, at most a third of the picture.
+// A scale bar of a round length, at most a third of the picture's width.
 function rule(ctx: CanvasRenderingContext2D, scale: number, height: number, width: number): void {
   const most = width / 3 / scale;
   const power = 10 ** Math.floor(Math.log10(most));

@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { RefObject } from "preact";
 
-/** An element, and its width in pixels as it is now. */
+/** An element, and its present width in pixels. */
 export function useWidth<T extends HTMLElement>(): [RefObject<T | null>, number] {
   const place = useRef<T>(null);
   const [width, setWidth] = useState(0);

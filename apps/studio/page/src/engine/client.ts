@@ -1,12 +1,13 @@
-// The engine as the page has it: typed calls that are promises, with progress and cancel.
+// The page's interface to the engine: typed calls that return promises, with progress and cancellation.
 //
 //   const studio = await startStudio();
 //   const opened = await studio.open(file.name, file, { onProgress });
 //   const { comparison, headline } = await studio.call("compare", { flight: opened.flight, model, times: { window: null, airborne: null } });
 //
-// A flight is opened in one of several workers, which draws it and compares it. What takes longer (diagnose, add, ladder) is done by
-// workers of their own, so that a curve can be panned meanwhile: they open the flights that they need by themselves. A worker that is
-// cancelled or killed by a log is started anew, with the flights that it had; nothing else notices.
+// Each flight is opened in one of several workers, which draws it and compares it. Longer calls (diagnose,
+// add, ladder) run in workers of their own, so that a curve can be panned meanwhile; these workers
+// themselves open the flights that they need. A worker that is cancelled or killed by a log is restarted with
+// the flights that it had; nothing else is affected.
 
 import type { Calls, Opened } from "../generated/protocol";
 import type { Progress } from "./messages";
@@ -33,7 +34,7 @@ export interface MadeFile {
 type Name = keyof Calls;
 type Answer<N extends Name> = Resolved<Calls[N]["answer"]>;
 
-/** Calls that take long: a worker of their own does them. */
+/** Calls that take long: they run in workers of their own. */
 const LONG: ReadonlySet<Name> = new Set<Name>(["diagnose", "discover", "add", "ladder", "export", "plan"]);
 
 /** What was opened: a file's bytes, or a flight that comes with Pylon. */
@@ -55,18 +56,21 @@ export class Studio {
   #flights = new Map<string, Flight>();
   #views: Slot[] = [];
   #long: Slot[] = [];
-  /** The one that made the last diagnosis. */
+  /** The worker that made the last diagnosis. */
   #diagnosing: Slot | null = null;
   #width: number;
   #last = 0;
 
-  /** `width`: how many flights are worked on at a time. */
+  /** `width`: number of flights that are worked on at a time. */
   constructor(parts: Parts, width = Math.max(1, Math.min(4, (navigator.hardwareConcurrency || 2) - 1))) {
     this.#parts = parts;
     this.#width = width;
   }
 
-  /** Opens a log; a drop, a choice or a download gives a Blob. Rejected with `Refused` and the importer's own line for a file that is none. */
+  /**
+   * Opens a log; a drop, a choice or a download gives a Blob. Rejected with `Refused` and the importer's own
+   * line if the file is not a log.
+   */
   open(file: string, blob: Blob, options: CallOptions = {}): Promise<{ flight: string } & Resolved<Opened>> {
     return this.#open({ file, blob }, options);
   }
@@ -120,7 +124,7 @@ export class Studio {
       isUrgent: !LONG.has(name),
     };
     if (LONG.has(name)) {
-      // What a diagnosis found out is still there, in its worker, for a plan and to learn from.
+      // The worker of the last diagnosis still has its results, which a plan and an addition use.
       const slot = (name === "plan" || name === "add") && this.#diagnosing ? this.#diagnosing : this.#slot(this.#long);
       if (name === "diagnose") this.#diagnosing = slot;
       return slot.run(job);
@@ -144,7 +148,7 @@ export class Studio {
     }
   }
 
-  /** The one of some workers that has the least to do; a further one where all are busy. */
+  /** The least busy of these workers, or a new one if all are busy. */
   #slot(slots: Slot[]): Slot {
     const idle = [...slots].sort((a, b) => a.load - b.load)[0];
     if (idle && (idle.load === 0 && slots === this.#long ? true : slots.length >= this.#width)) return idle;
@@ -188,9 +192,9 @@ function missing(flight: string): never {
   throw new Error(`flight '${flight}' is not open`);
 }
 
-/** The engine and the worker that this page has inside. */
+/** Starts the engine and the workers that are embedded in this page. */
 export async function startStudio(): Promise<Studio> {
-  // The engine comes after the page's own script.
+  // The engine is embedded after the page's own script.
   if (document.readyState === "loading") {
     await new Promise((ready) => document.addEventListener("DOMContentLoaded", ready, { once: true }));
   }

@@ -1,4 +1,4 @@
-// What page and worker say to each other.
+// Messages between the page and a worker.
 
 /** How far a request has come. */
 export interface Progress {
@@ -6,7 +6,7 @@ export interface Progress {
   what: string;
   /** Steps done. */
   done: number;
-  /** Steps in all; null where nobody knows beforehand. */
+  /** Total number of steps; null if it is not known beforehand. */
   of: number | null;
 }
 

@@ -1,4 +1,4 @@
-// The model and its revisions, with undo: the page's own state. The engine is told the text with every request.
+// The model and its revisions, with undo: the page's own state. Every request gives the engine the text.
 
 import type { ModelText } from "../generated/protocol";
 
@@ -8,7 +8,7 @@ export interface Step {
   why: string;
 }
 
-/** A model's states, oldest first; undo goes back, a new one forgets what was undone. */
+/** A model's states, oldest first; undo goes back, a new state discards what was undone. */
 export class ModelHistory {
   #steps: Step[];
   #at = 0;
@@ -17,7 +17,7 @@ export class ModelHistory {
     this.#steps = [{ model, why: "opened" }];
   }
 
-  /** The model as it is. */
+  /** The present model. */
   get now(): ModelText {
     return this.#step(this.#at).model;
   }

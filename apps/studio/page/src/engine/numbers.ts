@@ -2,7 +2,7 @@
 
 import type { Numbers } from "../generated/protocol";
 
-/** An answer with its arrays in place: every `Numbers` is a Float64Array. NaN stands for: no value here. */
+/** An answer with its arrays in place: every `Numbers` is a Float64Array. NaN means no value. */
 export type Resolved<T> = T extends Numbers
   ? Float64Array
   : T extends readonly (infer Item)[]

@@ -1,21 +1,21 @@
-// The server of `pylon studio`, where the page came from one.
+// The server of `pylon studio`, if the page came from one.
 
 import type { ModelText, Times } from "../generated/protocol";
 
 /** What the server was started with. */
 export interface Session {
-  /** Files that were named: fetched by `flight`. */
+  /** Names of the files on its command line; `flight` fetches them. */
   flights: string[];
-  /** The model that may be written; null where none was named. */
+  /** The model that may be written; null if none was named. */
   model: ServedModel | null;
   /** Whether "Fly in QEMU" is offered. */
   canFly: boolean;
 }
 
-/** A model and which state of its file it is. */
+/** A model and the version of its file. */
 export interface ServedModel {
   model: ModelText;
-  /** What the file's text was, to be given back when it is written. */
+  /** Identifies the file's text; sent back when the file is written. */
   version: string;
 }
 
@@ -47,7 +47,7 @@ export class Server {
     return (await this.#fetch("api/model")).json() as Promise<ServedModel>;
   }
 
-  /** Replaces the model's file if it still is what was read; rejected with `Conflict` otherwise. */
+  /** Replaces the model's file if it is unchanged since it was read; rejected with `Conflict` otherwise. */
   async save(text: string, version: string): Promise<ServedModel> {
     const response = await this.#fetch("api/model", { method: "PUT", body: text, headers: { "If-Match": `"${version}"` } }, [412]);
     const served = (await response.json()) as ServedModel;
@@ -55,7 +55,10 @@ export class Server {
     return served;
   }
 
-  /** Flies a named flight in the emulator with a model: what `pylon fly --json` prints. Takes as long as the flight, or some times that. */
+  /**
+   * Flies a named flight in the emulator with a model, and returns what `pylon fly --json` prints. Takes as
+   * long as the flight, or several times as long.
+   */
   async fly(place: number, model: string, { window, airborne }: Times): Promise<unknown> {
     const said: string[] = [];
     if (window) said.push(`calibrate=${window.start_s}..${window.end_s}`);

@@ -1,4 +1,5 @@
-// A worker and what waits for it. It does one job at a time, and is started anew after one that was cancelled or killed it.
+// A worker and its queue. It does one job at a time, and is restarted after one that was cancelled or
+// killed it.
 
 import type { FromWorker, Progress, ToWorker } from "./messages";
 
@@ -9,10 +10,10 @@ export class Cancelled extends Error {
   }
 }
 
-/** The engine says why there is no answer: one line, for the user. */
+/** The engine refused to answer; the message is its reason, one line for the user. */
 export class Refused extends Error {}
 
-/** The engine broke off: a defect of Pylon, or not enough memory. Others go on. */
+/** The engine crashed: a defect of Pylon, or not enough memory. Other workers continue. */
 export class Crashed extends Error {}
 
 export interface Said {
@@ -25,11 +26,11 @@ export interface Job {
   request: string;
   /** Read when the job's turn comes. */
   bytes: (() => Promise<ArrayBuffer>) | null;
-  /** Flights that must be open; the others are opened before. */
+  /** Flights that must be open; those that are not are opened first. */
   flights: string[];
   onProgress: ((progress: Progress) => void) | undefined;
   signal: AbortSignal | undefined;
-  /** Goes before the jobs that wait and are not urgent. */
+  /** Runs before waiting jobs that are not urgent. */
   isUrgent: boolean;
 }
 
@@ -39,9 +40,9 @@ interface Waiting {
   reject: (error: Error) => void;
 }
 
-/** That the engine broke off, for the user. */
+/** Message for the user that the engine crashed. */
 function brokeOff(why: string): string {
-  return `The engine broke off: there is not memory enough for this, or it is a defect of Pylon's (${why}). It was started anew; everything else goes on.`;
+  return `The engine crashed: not enough memory, or a defect in Pylon (${why}). It was restarted; nothing else is affected.`;
 }
 
 export class Slot {
@@ -63,12 +64,12 @@ export class Slot {
     this.#opening = opening;
   }
 
-  /** How much waits for it. */
+  /** Number of its jobs, waiting or running. */
   get load(): number {
     return this.#queue.length + (this.#isBusy ? 1 : 0);
   }
 
-  /** Does a job when its turn comes. */
+  /** Runs a job when its turn comes. */
   run(job: Job): Promise<Said> {
     if (job.signal?.aborted) return Promise.reject(new Cancelled());
     return new Promise((resolve, reject) => {
@@ -81,7 +82,7 @@ export class Slot {
     });
   }
 
-  /** Forgets that a flight is open, so that it is opened anew when it is asked for. */
+  /** Marks a flight as not open, so that it is opened again when a job needs it. */
   forget(flight: string): void {
     this.#opened.delete(flight);
   }
@@ -98,7 +99,7 @@ export class Slot {
 
   #running: Waiting | null = null;
 
-  /** Ends the worker and what it does. */
+  /** Terminates the worker and its job. */
   #end(error: Error): void {
     this.#worker?.terminate();
     this.#worker = null;

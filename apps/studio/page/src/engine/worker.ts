@@ -1,4 +1,5 @@
-// One engine: a WebAssembly module in a worker of its own. It does one request after another; to end one is to end the worker.
+// One engine: a WebAssembly module in a worker of its own. It answers one request after another; ending a
+// request means ending the worker.
 
 import type { FromWorker, ToWorker } from "./messages";
 
@@ -17,13 +18,13 @@ let engine: Exports | null = null;
 let running = 0;
 let told = 0;
 
-/** A copy of a part of the engine's memory. */
+/** Copies a part of the engine's memory. */
 function copied(at: number, length: number): Uint8Array<ArrayBuffer> {
   if (!engine) throw new Error("the engine has not started");
   return new Uint8Array(engine.memory.buffer, at, length).slice();
 }
 
-/** Bytes in the engine's memory, which are the engine's from now on. */
+/** Copies bytes into the engine's memory; the engine owns them from now on. */
 function given(bytes: Uint8Array): number {
   if (!engine) throw new Error("the engine has not started");
   const at = engine.allocate(bytes.length);
@@ -77,7 +78,7 @@ scope.onmessage = ({ data }) => {
   try {
     ask(data.id, data.request, data.bytes);
   } catch (error) {
-    // A panic, or no memory: what is left of the engine is not to be asked again.
+    // After a panic, or without memory, the engine must not be used again.
     engine = null;
     scope.postMessage({ kind: "crashed", id: data.id, why: String(error) });
   }

@@ -19,7 +19,7 @@ export function download(name: string, media: string, bytes: BlobPart): void {
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
 
-/** Onto the disk by the server, else as a download. */
+/** Saves the model: to disk through the server, else as a download. */
 export async function saveModel(): Promise<void> {
   if (isServed) {
     try {
@@ -63,7 +63,7 @@ export async function exportFile(kind: ExportKind): Promise<void> {
   }
 }
 
-/** Logs are opened, all at once; a `.toml` file is a model. */
+/** Opens logs, all at once; a `.toml` file is a model. */
 export async function openFiles(list: Iterable<File>): Promise<void> {
   await Promise.all([...list].map(async (file) => {
     try {
@@ -75,7 +75,7 @@ export async function openFiles(list: Iterable<File>): Promise<void> {
   }));
 }
 
-/** The user chooses files. */
+/** Lets the user choose files. */
 export function chooseFiles(): void {
   const input = document.createElement("input");
   input.type = "file";

@@ -1,4 +1,4 @@
-// The flights that are open, and the one that is looked at.
+// The open flights, and the one that is shown.
 
 import { batch, computed, signal } from "@preact/signals";
 
@@ -15,26 +15,26 @@ export type Use = "learn" | "hold_out" | "off";
 
 export interface Flight {
   readonly id: string;
-  /** What the engine calls it; empty until it is open. */
+  /** The engine's name for it; empty until it is open. */
   readonly flight: string;
   readonly file: string;
   /** The name of the scenario that it was simulated by; null for a log. */
   readonly sample: string | null;
   readonly use: Use;
-  /** Where the user calibrates, and when it was in the air; null: as Pylon finds it. */
+  /** Calibration window and time in the air, set by the user; null: as Pylon finds them. */
   readonly times: Times;
   readonly opened: Opened | null;
   /** Why it could not be opened: the importer's own line. */
   readonly problem: string | null;
 }
 
-/** As Pylon finds them. */
+/** Times as Pylon finds them. */
 export const FOUND: Times = { window: null, airborne: null };
 
 export const flights = signal<ReadonlyArray<Flight>>([]);
 export const shownId = signal<string | null>(null);
 export const sensor = signal<string | null>(null);
-/** What the user is to know, and may send away. */
+/** A message for the user, who may dismiss it. */
 export const notice = signal<string | null>(null);
 
 export const shown = computed(() => {
@@ -51,7 +51,7 @@ export interface Vehicle {
   readonly flights: ReadonlyArray<Flight>;
 }
 
-/** In the order in which their first flight was opened. */
+/** Vehicles, in the order in which their first flight was opened. */
 export const vehicles = computed<ReadonlyArray<Vehicle>>(() => {
   const groups = new Map<string, Flight[]>();
   for (const flight of flights.value) {
@@ -88,7 +88,7 @@ export async function openSample(sample: string): Promise<void> {
   await opening(id, () => openScenario(sample));
 }
 
-/** As it was before a reload. */
+/** Opens a flight again, as it was before a reload. */
 export async function reopen(kept: Flight, blob: Blob | null): Promise<void> {
   add({ ...kept, flight: "", opened: null, problem: null });
   await opening(kept.id, async () => {
@@ -129,7 +129,7 @@ export function show(id: string): void {
   });
 }
 
-/** Without what is not used at both ends. */
+/** The span of a flight without the unused parts at both ends. */
 function usedOf({ first_s, last_s, overview }: Opened): Span {
   let [from, to] = [first_s, last_s];
   for (const { from_s, to_s } of overview.unused) {
@@ -143,7 +143,7 @@ export function setUse(id: string, use: Use): void {
   change(id, { use });
 }
 
-/** Calibrates elsewhere, or takes off and lands at other times; everything is asked anew. */
+/** Changes the calibration window or the time in the air; everything is computed again. */
 export async function setTimes(id: string, part: Partial<Times>): Promise<void> {
   try {
     const found = flights.value.find((one) => one.id === id);

@@ -1,4 +1,4 @@
-// An effect of the user's own, by formula, and laws that are searched for.
+// The user's own effect, defined by a formula, and the search for laws.
 
 import { batch, computed, effect, signal } from "@preact/signals";
 
@@ -11,10 +11,10 @@ import { messageOf, resource } from "./resource";
 import { learn, timesOfAll, withProgress } from "./studio";
 
 export interface Draft {
-  /** What it acts on: a sensor, `gps` or `every sensor`; empty: the sensor that is shown. */
+  /** What it acts on: a sensor, `gps` or `every sensor`; empty for the sensor that is shown. */
   readonly on: string;
   readonly regressor: string;
-  /** Its id; empty: one that the engine makes. */
+  /** Its id; empty if the engine is to make one. */
   readonly id: string;
   readonly about: string;
 }
@@ -39,9 +39,9 @@ function checking(wanted: Draft): { model: ModelText; flight: string; regressor:
 const answered = resource(() => checking(draft.value), async (of): Promise<{ of: string; found: FormulaChecked }> => ({ of: of.regressor, found: await ask("formula", of) }), 250);
 /** Why it could not be checked. */
 export const checkProblem = answered.problem;
-/** What was said of the formula as it stands; null while it is typed. */
+/** Result of the check of the present formula; null while it is typed. */
 export const checked = computed<FormulaChecked | null>(() => (answered.answer.value?.of === draft.value.regressor ? answered.answer.value.found : null));
-/** It, where it can be used. */
+/** Definition of the formula, if it can be used. */
 export const defined = computed<Defined | null>(() => checked.value?.definition ?? null);
 
 export const ownCurve = resource(
@@ -56,7 +56,7 @@ export const ownCurve = resource(
 
 effect(() => { ownPrediction.value = defined.value ? ownCurve.answer.value : null; });
 
-/** The definition and the revision that learns it. */
+/** Adds the definition and the revision that learns it. */
 export async function addFormula(): Promise<void> {
   const found = defined.value;
   if (!found) return;
@@ -64,7 +64,10 @@ export async function addFormula(): Promise<void> {
   await learn(found.effect, found.model);
 }
 
-/** What was asked to be added: its formula stays in the box until it is in the model, as the user may be asked first. */
+/**
+ * The effect that is to be added. Its formula stays in the box until the model has it, because the user may
+ * be asked first.
+ */
 let pending: string | null = null;
 
 effect(() => {
@@ -80,7 +83,7 @@ function forgetDraft(): void {
 
 export const discovered = signal<Discovered | null>(null);
 
-/** What was found holds for what was asked. */
+/** Laws that were found hold only for the flights and the model of the search. */
 effect(() => {
   void [learners.value, holdOuts.value, model.value];
   discovered.value = null;
@@ -98,7 +101,7 @@ export async function discover(): Promise<void> {
   }
 }
 
-/** A law becomes the formula. */
+/** Makes a law that was found the formula. */
 export function take(at: number): void {
   const found = discovered.value;
   const law = found?.discovery.laws[at];

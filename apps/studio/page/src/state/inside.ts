@@ -1,4 +1,5 @@
-// A page with its flights inside: made by Export, opened by whoever it is sent to. It carries files' names, never their folders.
+// A page with its flights inside: made by Export, opened by its recipient. It has the files' names, never
+// their folders.
 
 import { sourceOf } from "../ask";
 import type { ModelText, Times } from "../protocol";
@@ -9,7 +10,7 @@ import type { Layout, NamedLayout } from "./layout";
 import { models } from "./model";
 import { OFFERED, unpacked } from "./offered";
 
-/** The element that has it. */
+/** Id of the element that holds it. */
 const PLACE = "pylon-inside";
 
 export interface InsideFlight {
@@ -23,7 +24,7 @@ export interface InsideFlight {
   readonly isShown: boolean;
 }
 
-/** What was found, to be read before anything is computed again. */
+/** The sentence that was found, to be read before anything is computed again. */
 export interface InsideSentence {
   readonly sentence: string;
   readonly tone: "good" | "caution" | "bad" | "none";
@@ -38,13 +39,13 @@ export interface Inside {
   readonly said: InsideSentence;
 }
 
-/** What is in this page; null for one without. It is this page's own script that wrote it. */
+/** What is inside this page; null if nothing is. This page's own script wrote it. */
 export function inside(): Inside | null {
   const text = document.getElementById(PLACE)?.textContent ?? "";
   return text === "" ? null : (JSON.parse(text) as Inside);
 }
 
-/** The log of a flight, as it was. */
+/** The original log of a flight. */
 export async function logOf(flight: InsideFlight): Promise<Blob> {
   return unpacked(flight.log ?? "");
 }
@@ -52,7 +53,7 @@ export async function logOf(flight: InsideFlight): Promise<Blob> {
 async function packed(blob: Blob): Promise<string> {
   const bytes = new Uint8Array(await new Response(blob.stream().pipeThrough(new CompressionStream("gzip"))).arrayBuffer());
   let text = "";
-  // As many arguments as every engine takes.
+  // A number of arguments that every JavaScript engine accepts.
   for (let at = 0; at < bytes.length; at += 0x8000) text += String.fromCharCode(...bytes.subarray(at, at + 0x8000));
   return btoa(text);
 }
@@ -77,13 +78,13 @@ export async function pageWithFlights(said: InsideSentence): Promise<Blob> {
   root.querySelector(`#${PLACE}`)?.remove();
   root.querySelector(`#${OFFERED}`)?.remove();
   root.querySelector("#studio")?.replaceChildren();
-  // What the script has put beside its place.
+  // Remove what the script has put outside its own element.
   for (const child of root.querySelectorAll("body > :not(#studio, script)")) child.remove();
-  // Of a page that `pylon studio` serves: what it may ask for is nobody else's business.
+  // Remove what lets a page that `pylon studio` serves call its server: it is not for the recipient.
   root.querySelector('meta[name="pylon-token"]')?.remove();
   const policy = root.querySelector('meta[http-equiv="Content-Security-Policy"]');
   policy?.setAttribute("content", (policy.getAttribute("content") ?? "").replace(/connect-src [^;]*/, "connect-src 'none'"));
-  // Before the page's own script, which reads it when it begins. No text in it can end its element.
+  // Placed before the page's own script, which reads it at the start. No text in it can end its element.
   const place = document.createElement("script");
   place.id = PLACE;
   place.type = "text/plain";

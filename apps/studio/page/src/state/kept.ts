@@ -1,4 +1,4 @@
-// What outlives a reload: the logs and the session, in this browser and nowhere else.
+// What survives a reload: the logs and the session, in this browser and nowhere else.
 
 const NAME = "pylon-studio";
 const LOGS = "logs";
@@ -61,7 +61,7 @@ export async function keepSession(session: unknown): Promise<void> {
   await put(SESSION, "last", session);
 }
 
-/** As it was written, by this release of the page or another. */
+/** The session as it was written, by this release of the page or another. */
 export async function keptSession(): Promise<unknown> {
   return get(SESSION, "last");
 }

@@ -1,4 +1,4 @@
-// What the user put where.
+// The layout that the user chose.
 
 import { batch, signal } from "@preact/signals";
 
@@ -7,7 +7,7 @@ import type { Drag } from "./view";
 
 export type PanelKind = "scatter" | "xy" | "correlation" | "cross" | "track" | "heat";
 
-/** What is in the places below the curves, where there is not room for all. */
+/** Panels in the places below the curves, where there is not room for all. */
 export const places = signal<ReadonlyArray<PanelKind>>(["scatter", "correlation"]);
 /** The signals of the scatter and of the x-y picture. */
 export const across = signal("speed");
@@ -16,7 +16,7 @@ export const xyUp = signal("climb_rate");
 /** What the error is correlated with. */
 export const crossWith = signal("climb_rate");
 
-/** What the user put where, as it is kept. */
+/** The layout in the form in which it is kept. */
 export interface Layout {
   readonly places: ReadonlyArray<PanelKind>;
   readonly across: string;
@@ -31,7 +31,7 @@ export interface NamedLayout {
   readonly layout: Layout;
 }
 
-/** Layouts that the user gave a name. */
+/** Layouts that the user has named. */
 export const layouts = signal<ReadonlyArray<NamedLayout>>([]);
 
 export function layoutNow(): Layout {
@@ -44,13 +44,13 @@ export function layOut(layout: Layout): void {
     across.value = layout.across;
     xyAcross.value = layout.xyAcross;
     xyUp.value = layout.xyUp;
-    // An older page kept none.
+    // A layout kept by an older page lacks it.
     crossWith.value = layout.crossWith ?? crossWith.value;
     drag.value = layout.drag;
   });
 }
 
-/** Keeps the layout as it is under a name, in place of the one that had it. */
+/** Keeps the present layout under a name, in place of the one that had it. */
 export function keepLayout(name: string): void {
   layouts.value = [...layouts.value.filter((one) => one.name !== name), { name, layout: layoutNow() }];
 }

@@ -1,8 +1,9 @@
-// Real flights that the page offers: logs that `cargo xtask site` found where it was built (offered.json says which and whose).
+// Real flights that the page offers: logs that `cargo xtask site` found when it built the page (offered.json
+// lists them and their owners).
 
 import { openLog } from "./flights";
 
-/** The element that has them. */
+/** Id of the element that holds them. */
 export const OFFERED = "pylon-offered";
 
 export interface Offered {
@@ -15,7 +16,7 @@ export interface Offered {
   readonly log: string;
 }
 
-/** Those in this page; none where it was built without. */
+/** The flights in this page; none if it was built without them. */
 export function offered(): ReadonlyArray<Offered> {
   const text = document.getElementById(OFFERED)?.textContent ?? "";
   return text === "" ? [] : (JSON.parse(text) as Offered[]);
@@ -25,7 +26,7 @@ export async function openOffered({ file, log }: Offered): Promise<void> {
   await openLog(file, await unpacked(log));
 }
 
-/** A log as it was, of gzip in base64. */
+/** The original log, from gzip in base64. */
 export async function unpacked(log: string): Promise<Blob> {
   const packed = Uint8Array.from(atob(log), (letter) => letter.charCodeAt(0));
   return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).blob();

@@ -1,4 +1,4 @@
-// The curves and points in the middle of the screen: what is asked of the engine for them, and how they are to look.
+// The curves and points in the middle of the screen: their requests to the engine, and their look.
 
 import { computed, effect, signal } from "@preact/signals";
 
@@ -21,9 +21,9 @@ export const chartWidth = signal(800);
 /** Effects whose prediction is drawn over the error. */
 export const whatIf = signal<ReadonlyArray<string>>([]);
 
-/** Milliseconds without a change before curves are asked for anew. */
+/** Milliseconds without a change before curves are requested again. */
 export const REST = 70;
-/** So much more than what is in view is asked for, on both sides: panning shows curves at once. */
+/** Share of the view that is requested in addition on each side, so that panning shows curves at once. */
 const MARGIN = 0.5;
 
 interface CurvesQuestion {
@@ -58,14 +58,18 @@ function acting({ effect, coefficient, time_constant_s, since }: CandidateFacts)
   return { effect, coefficient, time_constant_s, since };
 }
 
-/** Whether an effect is in a model, or defined there: what a diagnosis of the model before it found is no longer to be taken off. */
+/**
+ * Whether a model has or defines an effect. If so, the effect no longer counts as found by a diagnosis of the
+ * model before.
+ */
 function has(of: ModelText | null, id: string): boolean {
   return of !== null && of.text.includes(`"${id}"`);
 }
 
 /**
- * The error beyond the reference once there is a diagnosis, which knows the reference's wander; until then the error. Where nothing known
- * explains a sensor the noise was fitted to that, too: with the wander the misfit would be taken out of its own picture.
+ * The error beyond the reference once a diagnosis has estimated the reference's wander; until then the error.
+ * Also the error if no known effect explains the sensor: then the noise was fitted to the misfit too, and
+ * removing the wander would remove the misfit from its own picture.
  */
 function errorSignal(name: string, found: Diagnosed | null, of: ModelText | null): Signal {
   const noise = found?.diagnosis.noise ?? null;
@@ -90,7 +94,7 @@ const altitudes = resource(
 );
 effect(() => {
   const flight = shown.value;
-  // Where nothing can be drawn, nothing waits for it.
+  // If nothing can be drawn, nothing waits for the drawing.
   const isNone = flight !== null && (sensor.value === null || flight.opened.overview.refused !== null);
   if (isNone || altitudes.answer.value || altitudes.problem.value !== null) isDrawn.value = true;
 });
@@ -102,7 +106,7 @@ const predictions = resource(
   REST,
 );
 
-/** The effects' coefficients as the diagnosis has them. */
+/** Predictions of the what-if effects, with the coefficients of the diagnosis. */
 function predicted(name: string): Signal[] {
   const sensors = diagnosed.answer.value?.diagnosis.sensors ?? {};
   const found = Object.entries(sensors).flatMap(([subject, here]) =>
@@ -148,7 +152,7 @@ function curve(reply: Series, at: number): Curve | null {
   };
 }
 
-/** An envelope where many samples share a pixel, else a line. */
+/** Draws an envelope where many samples share a pixel, else a line. */
 function drawn(name: string, role: Role, found: Curve, alpha = 0.45): { bands: Band[]; lines: Line[] } {
   if (!found.isThinned) return { bands: [], lines: [{ name, role, y: found.mean, gaps: found.gaps }] };
   return { bands: [{ name, role, low: found.least, high: found.greatest, gaps: found.gaps, alpha, edge: true }], lines: [] };
@@ -171,7 +175,7 @@ export const calibration = computed<Span | null>(() => {
   return phase ? { from: phase.from_s, to: phase.to_s } : null;
 });
 
-/** The first seconds of captive flight, in which the filter settles: the model says to ignore them. */
+/** The settling time: first seconds of captive flight, which the model says to ignore. */
 export const settling = computed<Span | null>(() => {
   const phase = ribbons.answer.value?.phases.find(({ what }) => what === "settling");
   return phase ? { from: phase.from_s, to: phase.to_s } : null;
@@ -199,7 +203,7 @@ export const altitudeSpec = computed<TimeSpec | null>(() => {
   };
 });
 
-/** Whether the reference's wander is taken out of the error that is shown. */
+/** Whether the shown error excludes the reference's wander. */
 export const isBeyondReference = computed(() => {
   const reply = errorNow.answer.value;
   return reply?.curves[0]?.signal.signal === "beyond_reference";
@@ -225,7 +229,7 @@ function errorPart(reply: Series, name: string, role: Role): Part | null {
   };
 }
 
-/** The prediction of the user's own formula: another room's, which is drawn here. */
+/** The prediction of the user's own formula: set by `formula.ts`, drawn here. */
 export const ownPrediction = signal<Of<Series> | null>(null);
 
 export const errorSpec = computed<TimeSpec | null>(() => {
@@ -237,10 +241,10 @@ export const errorSpec = computed<TimeSpec | null>(() => {
   for (const reply of then ? [then, now] : [now]) {
     const role = standing(reply.asked);
     if (role === null || roles.has(role)) continue;
-    // One measure in one picture: the diagnosis of one of both may still be under way.
+    // One picture shows one measure; the diagnosis of one of the two models may still be under way.
     if (reply.curves[0]?.signal.signal !== now.curves[0]?.signal.signal) continue;
     roles.add(role);
-    // Without a revision there is no "after": the error is the one that Add would make smaller.
+    // Without a revision there is no "after": the error shown is the one that Add would reduce.
     const part = errorPart(reply, before.value === null ? "Error" : role === "after" ? "After" : "Before", role);
     if (part) parts.push(part);
   }
@@ -272,7 +276,7 @@ function limits(bound: number | undefined): Level[] {
   ];
 }
 
-/** Onto one axis: where a part has no point there, its curve is drawn through. */
+/** Joins parts on one axis. Where a part has no point, its curve continues to its next one. */
 function joined(parts: ReadonlyArray<Part>): { x: ReadonlyArray<number>; bands: Band[]; lines: Line[] } {
   const [first, ...rest] = parts;
   if (!first) return { x: [], bands: [], lines: [] };
@@ -292,7 +296,7 @@ function joined(parts: ReadonlyArray<Part>): { x: ReadonlyArray<number>; bands: 
   };
 }
 
-/** Points are asked for once, and brushed here. */
+/** Largest number of points. They are requested once, and brushed here. */
 const MOST_POINTS = 3000;
 
 export function signalOf(name: string): Signal {
@@ -307,14 +311,14 @@ export function signalOf(name: string): Signal {
 }
 
 export interface Points {
-  /** The model that it is of. */
+  /** The model that the points belong to. */
   readonly asked: ModelText;
   readonly reply: Paired;
   readonly x: string;
   readonly y: string;
 }
 
-/** Points of one signal over another, as two choices say; `isAll`: also while the filter settles. */
+/** Points of one signal over another, both chosen by the user; `isAll`: also in the settling time. */
 export function points(x: () => string, y: () => string, isAll = false): { answer: { readonly value: Points | null }; problem: { readonly value: string | null } } {
   return resource(
     () => {
@@ -334,7 +338,7 @@ export function points(x: () => string, y: () => string, isAll = false): { answe
 }
 
 export interface Correlations {
-  /** The model that `now` is of. */
+  /** The model that `now` belongs to. */
   readonly asked: ModelText;
   readonly now: Correlated;
   readonly then: Correlated | null;
@@ -367,8 +371,8 @@ function correlationsWith(other: () => string | null): Resource<Correlations> {
   );
 }
 
-/** The error's autocorrelation, with the model and with the one before. */
+/** The error's autocorrelation, with the present model and with the one before. */
 export const correlations = correlationsWith(() => null);
-/** Its correlation with another signal; asked only where it is looked at. */
+/** Whether the error's correlation with another signal is shown; it is requested only then. */
 export const isCrossShown = signal(false);
 export const crossCorrelations = correlationsWith(() => (isCrossShown.value ? crossWith.value : null));

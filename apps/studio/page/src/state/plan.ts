@@ -1,4 +1,4 @@
-// The next flight: what is planned, and what it would tell.
+// The next flight: its plan, and what it would show.
 
 import { computed, effect, signal } from "@preact/signals";
 
@@ -9,15 +9,15 @@ import { model } from "./model";
 import { messageOf } from "./resource";
 import { timesOfAll, withProgress } from "./studio";
 
-/** What the plan is as the user has it; null before Pylon has suggested one. */
+/** The plan as the user has changed it; null before Pylon has suggested one. */
 export const plan = signal<FlightPlan | null>(null);
-/** What the engine said of the last plan that could be flown. */
+/** The engine's answer for the last plan that could be flown. */
 export const planned = signal<Planned | null>(null);
-/** What can be chosen, the best first. */
+/** Manoeuvres to choose from, best first. */
 export const offers = signal<ReadonlyArray<Offer>>([]);
 /** Why the plan as it stands cannot be flown. */
 export const planProblem = signal<string | null>(null);
-/** Whether what is shown is of the plan before. */
+/** Whether what is shown still belongs to the plan before. */
 export const isPlanning = signal(false);
 
 interface Basis {
@@ -34,10 +34,10 @@ const basis = computed<Basis>(() => ({
   times: timesOfAll(),
 }));
 
-/** What a plan was made for. */
+/** Flights, model and times that the plan was made for, as JSON. */
 let madeFor = "";
 
-// Other flights or another model: another plan.
+// A plan is discarded when its flights, model or times change.
 effect(() => {
   if (JSON.stringify(basis.value) === madeFor) return;
   madeFor = "";
@@ -65,7 +65,7 @@ let newest = 0;
 /** Milliseconds without a change before a plan is flown. */
 const REST = 250;
 
-/** Another plan; it is flown once the user pauses. */
+/** Changes the plan, which is flown once the user pauses. */
 export function change(part: Partial<FlightPlan>): void {
   if (!plan.value) return;
   plan.value = { ...plan.value, ...part };

@@ -1,12 +1,12 @@
-// What takes a while, and how it is ended.
+// Progress of long work, and how to cancel it.
 
 import { signal } from "@preact/signals";
 
 export interface Progress {
   readonly text: string;
-  /** From 0 to 1; null: nobody knows. */
+  /** From 0 to 1; null if unknown. */
   readonly share: number | null;
-  /** Ends it; without, it can't be ended. */
+  /** Cancels the work; absent if it can't be cancelled. */
   readonly cancel?: () => void;
 }
 

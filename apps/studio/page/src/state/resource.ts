@@ -1,17 +1,17 @@
-// An answer that follows its question.
+// An answer that is kept up to date with its question.
 
 import { effect, signal } from "@preact/signals";
 import type { ReadonlySignal } from "@preact/signals";
 
 export interface Resource<A> {
-  /** The newest answer; the one before stays until it is there. Null: nothing is asked, or it could not be answered. */
+  /** The newest answer; the one before stays until it arrives. Null without a question or an answer to it. */
   readonly answer: ReadonlySignal<A | null>;
   readonly problem: ReadonlySignal<string | null>;
 }
 
 /**
- * Asks again whenever the question is another one, at the earliest after `rest` milliseconds without a change.
- * One question is under way at a time: of those asked meanwhile the last counts.
+ * Asks again whenever the question changes, at the earliest after `rest` milliseconds without a change.
+ * One question is under way at a time: of those that come meanwhile only the last is asked.
  */
 export function resource<Q, A>(question: () => Q | null, ask: (question: Q) => Promise<A>, rest = 0): Resource<A> {
   const answer = signal<A | null>(null);

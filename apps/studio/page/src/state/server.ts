@@ -1,4 +1,4 @@
-// What only `pylon studio` can do, which serves the page beside the user's files.
+// What works only under `pylon studio`, which serves the page together with the user's files.
 
 import { computed, signal } from "@preact/signals";
 
@@ -14,12 +14,12 @@ let model: ServedModel | null = null;
 const named = signal<ReadonlyArray<string>>([]);
 const offersFlying = signal(false);
 
-/** The shown flight's place among those that the server was started with; -1 for another. */
+/** Index of the shown flight among those that the server was started with; -1 if it is none of them. */
 const place = computed(() => (shown.value && shown.value.sample === null ? named.value.indexOf(shown.value.file) : -1));
 /** Whether the shown flight can be flown by the firmware in the emulator. */
 export const canFly = computed(() => offersFlying.value && place.value >= 0);
 
-/** Writes the model's file; says where it went. */
+/** Writes the model's file; returns a message for the user. */
 export async function writeModel(text: string): Promise<string> {
   if (!served || !model) throw new Error("`pylon studio` was started without --model: export the model instead.");
   try {
@@ -52,7 +52,7 @@ function flown(report: unknown): string {
   const ticks = "ticks" in said && typeof said.ticks === "number" ? said.ticks : 0;
   if ("bit_for_bit" in said && said.bit_for_bit === true) return `Flown in QEMU: ${ticks} ticks of the flight computer's image, each bit for bit the host's.`;
   const differ = "ticks_that_differ" in said && typeof said.ticks_that_differ === "number" ? said.ticks_that_differ : 0;
-  return `The flight computer's image in QEMU differs from the host in ${differ} of ${ticks} ticks: pylon fly tells more.`;
+  return `The flight computer's image in QEMU differs from the host in ${differ} of ${ticks} ticks: run pylon fly for details.`;
 }
 
 /** Opens what the server was started with, unless it is open already. */

@@ -1,4 +1,4 @@
-// The session as it outlives a reload: which logs are open and what for, the model's states, the layout.
+// The session that survives a reload: the open logs and their uses, the model's states, the layout.
 
 import { batch, effect } from "@preact/signals";
 
@@ -13,7 +13,7 @@ import { keepSession, keptLog, keptSession } from "./kept";
 import { DEFAULT_MODEL, models } from "./model";
 import type { Drag } from "./view";
 
-/** Another number, and what an older page kept is not read. */
+/** Change this number, and what an older page kept is no longer read. */
 const VERSION = 2;
 
 interface Kept {
@@ -43,7 +43,7 @@ export function keepOnChange(): void {
   effect(() => {
     const session = now();
     clearTimeout(timer);
-    // A page that may keep nothing works all the same.
+    // A page that may not keep anything still works.
     timer = setTimeout(() => void keepSession(session).catch(() => undefined), 150);
   });
 }
@@ -68,7 +68,7 @@ export async function restore(): Promise<void> {
   }
 }
 
-/** Opens what is inside the page: nothing of it is kept in this browser, nor what was kept before mixed with it. */
+/** Opens what is inside the page. It is neither kept in this browser nor mixed with what was kept before. */
 export async function openInside(found: Inside): Promise<void> {
   batch(() => {
     models.value = found.models.length > 0 ? found.models : [DEFAULT_MODEL];

@@ -1,4 +1,5 @@
-// The model, what was found out about it, and how it changes: everything is asked anew when a flight or the model changes.
+// The model, what was found out about it, and how it changes. Everything is computed again when a flight or
+// the model changes.
 
 import { batch, computed, effect, signal } from "@preact/signals";
 
@@ -14,7 +15,7 @@ import { messageOf, resource } from "./resource";
 
 export const isServed = served !== null;
 
-/** An effect that was learned, and that its own numbers speak against: the user decides. */
+/** A learned effect that its own numbers contradict: the user decides. */
 export const doubted = signal<Added | null>(null);
 const added = signal<Headline | null>(null);
 
@@ -27,7 +28,7 @@ export async function loadGuides(): Promise<void> {
 
 const files = (list: ReadonlyArray<{ flight: string }>): string[] => list.map(({ flight }) => flight);
 
-/** What the user says of the times of the flights that are learned from and judged by. */
+/** Times set by the user, of the flights that are learned from and of those held out. */
 export function timesOfAll(): Record<string, Times> {
   const all = [...learners.value, ...holdOuts.value];
   return Object.fromEntries(all.map(({ flight, times }) => [flight, times]));
@@ -39,9 +40,9 @@ function comparisonOf(text: ModelText | null): { flight: string; model: ModelTex
   return { flight: flight.flight, model: text, times: flight.times };
 }
 
-/** Curves are asked for first, and what takes long once they are there: the picture comes before the numbers. */
+/** Whether the curves are drawn. Long calls wait for that: the picture comes before the numbers. */
 export const isDrawn = signal(false);
-/** Milliseconds that numbers wait for curves, which wait for a view at rest. */
+/** Milliseconds that numbers wait for curves, which wait until the view is at rest. */
 const AFTER_CURVES = 150;
 
 export const compared = resource(() => comparisonOf(model.value), async (of): Promise<Compared> => await ask("compare", of), AFTER_CURVES);
@@ -59,7 +60,7 @@ export const diagnosed = resource(
   },
 );
 
-/** Diagnoses of this session by their question: Undo, and the model before, need them again. */
+/** Diagnoses of this session by their question. Undo and the model before need them again. */
 const answered = new Map<string, Promise<Diagnosed>>();
 
 async function known(of: object, act: (options: CallOptions) => Promise<Diagnosed>): Promise<Diagnosed> {
@@ -74,7 +75,7 @@ async function known(of: object, act: (options: CallOptions) => Promise<Diagnose
   }
 }
 
-/** Work that is told about and that can be ended. */
+/** Does work with its progress shown and a way to cancel it. */
 export async function withProgress<A>(text: string, act: (options: CallOptions) => Promise<A>, again = ""): Promise<A> {
   const ending = new AbortController();
   const cancel = (): void => ending.abort();
@@ -90,7 +91,7 @@ export async function withProgress<A>(text: string, act: (options: CallOptions) 
   }
 }
 
-/** The model before its newest revision, diagnosed: its error beyond the reference rests on that. */
+/** Diagnosis of the model before its newest revision; its error beyond the reference depends on it. */
 export const diagnosedBefore = resource(
   () => (before.value ? diagnosisOf(before.value) : null),
   async (of): Promise<Diagnosed> => known(of, (options) => ask("diagnose", of, options)),
@@ -101,12 +102,12 @@ function diagnosisOf(text: ModelText): { flights: string[]; hold_outs: string[];
   return { flights: files(learners.value), hold_outs: files(holdOuts.value), model: text, times: timesOfAll() };
 }
 
-/** What is in the model, as it is now. */
+/** Contents of the present model. */
 export const modelFacts = resource(() => ({ model: model.value }), async (of): Promise<ModelFacts> => await ask("model", of));
 
 export interface Judged {
   readonly ladder: Ladder;
-  /** The first so many of each revision's flights were learned from, the others were held out. */
+  /** Number of flights learned from: the first of each revision's flights. The others were held out. */
   readonly learned: number;
 }
 
@@ -114,11 +115,11 @@ function ladderOf(text: ModelText): { flights: string[]; model: ModelText; times
   return { flights: files([...learners.value, ...holdOuts.value]), model: text, times: timesOfAll() };
 }
 
-/** Ladders of this session by their question: an addition comes with one. */
+/** Ladders of this session by their question. An addition includes one. */
 const ladders = new Map<string, Ladder>();
 
 export const ladder = resource(
-  // The same flights may be used differently.
+  // With the number of learners, as the same flights may be used differently.
   () => (ready.value.length === 0 || !isDrawn.value ? null : { of: ladderOf(model.value), learned: learners.value.length }),
   async ({ of, learned }): Promise<Judged> => {
     const key = JSON.stringify(of);
@@ -133,17 +134,17 @@ interface Said {
   readonly tone: Headline["tone"] | "none";
 }
 
-/** What a page with its flights inside says until it has been found again. */
+/** What a page with its flights inside reports until it has been computed again. */
 export const saidBefore = signal<Said | null>(null);
 
-/** What stands on top. */
+/** The sentence at the top. */
 export const headline = computed<Said>(() => {
   const said = added.value ?? diagnosed.answer.value?.headline;
   if (!said && saidBefore.value) return saidBefore.value;
   return found(said ?? compared.answer.value?.headline);
 });
 
-// It holds for what was inside, and ends with the first thing that is found here.
+// It holds until this page has its own diagnosis, or knows that there is none.
 effect(() => {
   if (diagnosed.answer.value || diagnosed.problem.value !== null) saidBefore.value = null;
 });
@@ -160,7 +161,7 @@ function found(said: Said | undefined): Said {
   return { sentence: flight ? "Looking for the cause…" : "Reading the log…", tone: "none" };
 }
 
-// What was said of an addition holds until something else is asked.
+// The headline of an addition holds until the flights, or what they are for, change.
 effect(() => {
   void [learners.value, holdOuts.value];
   added.value = null;
@@ -170,7 +171,7 @@ export async function addEffect(id: string): Promise<void> {
   await learn(id, model.value);
 }
 
-/** Learns an effect of the catalogue or of that model's own. */
+/** Learns an effect of the catalogue, or one that the model defines. */
 export async function learn(id: string, text: ModelText): Promise<void> {
   if (learners.value.length === 0) {
     notice.value = "No flight is to be learned from: choose “learn” for one on the left.";
@@ -215,7 +216,7 @@ export function undo(): void {
   });
 }
 
-/** Another model, of a file of the user's. */
+/** Opens another model, from a user's file. */
 export async function openModel(name: string, text: string): Promise<void> {
   try {
     await ask("model", { model: { name, text } });

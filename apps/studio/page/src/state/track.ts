@@ -41,7 +41,7 @@ export const trackPoints = computed<FoundTrack | null>(() => {
   return null;
 });
 
-// By trapezia.
+// By the trapezoidal rule.
 function integral(time: Float64Array, rate: Float64Array): number[] {
   let sum = 0;
   return Array.from(time, (at, i) => {

@@ -1,4 +1,4 @@
-// What of the flight is looked at: one time axis for everything in the middle of the screen.
+// The part of the flight that is in view: one time axis for everything in the middle of the screen.
 
 import { signal } from "@preact/signals";
 
@@ -10,19 +10,19 @@ export interface Span {
 /** What a drag over a time chart does. */
 export type Drag = "select" | "pan" | "zoom";
 
-/** All of the flight. */
+/** The whole flight. */
 export const whole = signal<Span>({ from: 0, to: 1 });
 /** What is in view. */
 export const view = signal<Span>({ from: 0, to: 1 });
-/** The stretch that was brushed. */
+/** The brushed stretch. */
 export const brush = signal<Span | null>(null);
-/** Where the cursor stands, seconds. */
+/** Position of the cursor, seconds. */
 export const cursor = signal<number | null>(null);
 export const drag = signal<Drag>("select");
 
 const NARROWEST = 1e-3;
 
-/** Within the flight; a view keeps its length where it is moved against an end. */
+/** Limits a view to the flight; it keeps its length when it is moved against an end. */
 export function inside({ from, to }: Span): Span {
   const all = whole.value;
   const length = Math.min(Math.max(to - from, NARROWEST), all.to - all.from);
@@ -56,7 +56,7 @@ export function pan(share: number): void {
   show({ from: from + by, to: to + by });
 }
 
-/** Another flight is looked at: first the part of it that is used. */
+/** Shows another flight, first the part of it that is used. */
 export function lookAt(span: Span, used: Span): void {
   const length = Math.max(span.to - span.from, NARROWEST);
   whole.value = { from: span.from, to: span.from + length };

@@ -1,4 +1,4 @@
-// Of several flights of a vehicle: what each says of an effect, and which do not belong with the others.
+// An effect's coefficients from several flights of a vehicle, and which of them do not fit the others.
 
 import type { JSX } from "preact";
 
@@ -30,7 +30,7 @@ export function Coefficients({ vehicle }: { readonly vehicle: string }): JSX.Ele
           <li key={effect.effect}>
             <p>{title}: <span class="number">{withSigma(effect.mean, effect.sigma)}{unit(effect.unit)}</span></p>
             <Strip dots={dots} mean={effect.mean} unit={unit(effect.unit)} />
-            {odd.size > 0 ? <p class="odd">Does not belong: {[...odd].join(", ")}</p> : null}
+            {odd.size > 0 ? <p class="odd">Does not fit the others: {[...odd].join(", ")}</p> : null}
           </li>
         );
       })}

@@ -45,7 +45,7 @@ function Waiting(): JSX.Element | null {
 
 function rowsOf(name: string): Row[] {
   const sensors = diagnosed.answer.value?.diagnosis.sensors ?? {};
-  // What acts on the reference is in every sensor's error.
+  // An effect on the reference appears in every sensor's error.
   const subjects = ["gps", name].map((subject) => sensors[subject]).filter((one) => one !== undefined);
   const rows = subjects.flatMap((one) => one.candidates.map((candidate): Row => ({
     candidate,
@@ -104,7 +104,7 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
   );
 }
 
-/** The engine names effects by their ids, and the command line's way to add one. */
+/** Replaces the ids of effects in the engine's advice by titles; removes the command that adds one. */
 function inWords(advice: string): string {
   return advice.replace(/ \(pylon add [^)]*\)/g, "").replace(/\b(?:baro|imu|gps)\.[a-z_]+/g, title);
 }
@@ -158,7 +158,10 @@ interface RangeProps {
   readonly sigma: number;
 }
 
-/** The plausible range is the middle of the track; the estimate is a dot with its sigma, on the edge where it is beyond. */
+/**
+ * The plausible range is the middle of the track; the estimate is a dot with its sigma, at the edge if it is
+ * beyond the track.
+ */
 function PlausibleRange({ guide, coefficient, sigma }: RangeProps): JSX.Element | null {
   if (!guide) return null;
   const [low = 0, high = 0] = guide.plausible;

@@ -1,4 +1,4 @@
-// Without a flight: a log of one's own first, then those that come with Pylon.
+// The screen without a flight: first the user's own log, then the flights that come with Pylon.
 
 import { batch, signal } from "@preact/signals";
 import type { JSX } from "preact";
@@ -15,7 +15,7 @@ import { beginTour } from "./tour";
 import { capital, plain } from "./words";
 
 const samples = signal<ReadonlyArray<Sample> | null>(null);
-/** They stand behind the page's script, as the engine does: both are there when it answers. */
+/** Embedded after the page's script, like the engine: when the engine answers, both are there. */
 const real = signal<ReadonlyArray<Offered>>([]);
 
 export function FirstScreen(): JSX.Element {

@@ -1,4 +1,4 @@
-// The plan as a card to print; on the screen it is not seen.
+// The plan as a card to print; it is not shown on the screen.
 
 import type { JSX } from "preact";
 

@@ -1,4 +1,4 @@
-// Left: the flights, by vehicle; what each is for, how much of it is used, and what to know of it.
+// Left: the flights, by vehicle; what each is for, how much of it is used, and what to know about it.
 
 import type { JSX } from "preact";
 

@@ -1,4 +1,4 @@
-// On top: what was found, in one sentence, and what can be done with it.
+// At the top: what was found, in one sentence, and what can be done with it.
 
 import type { JSX } from "preact";
 

@@ -1,4 +1,4 @@
-// The error by what the aircraft did and how fast it was: a table whose cells are the darker the larger the error.
+// The error by manoeuvre and speed: a table in which a larger error makes a darker cell.
 
 import type { JSX } from "preact";
 
@@ -13,7 +13,7 @@ const COLUMNS = 4;
 
 interface Row {
   readonly manoeuvre: string;
-  /** Of each range of speed the root mean square error, m, and of how many points. */
+  /** For each range of speed: root mean square error, m, and number of points. */
   readonly cells: ReadonlyArray<{ readonly rms: number; readonly count: number } | null>;
 }
 
@@ -23,7 +23,7 @@ export function HeatMap(): JSX.Element {
   if (!found.answer.value) return <div class="plot waiting" />;
   const { reply, asked } = found.answer.value;
   const role = standing(asked) ?? "before";
-  if (reply.of === 0 || spans.length === 0) return <p class="plot empty">The flight does not say how fast it was.</p>;
+  if (reply.of === 0 || spans.length === 0) return <p class="plot empty">The flight has no speed.</p>;
   const edges = edgesOf(reply.x);
   const rows = rowsOf(reply, spans, edges);
   const most = Math.max(...rows.flatMap(({ cells }) => cells.map((cell) => cell?.rms ?? 0)), 1e-9);

@@ -1,10 +1,10 @@
-// The keys, in a dialog of the browser's own.
+// The keys, in the browser's own dialog.
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
 
 const KEYS: ReadonlyArray<readonly [string, string]> = [
-  ["drag", "what the switch says: brush a stretch, pan, or zoom into it"],
+  ["drag", "depends on the switch: brush a stretch, pan, or zoom"],
   ["Shift + drag", "pan"],
   ["wheel, pinch", "zoom about the pointer; sideways or with Shift, pan"],
   ["double-click, 0", "show all of the flight"],
@@ -23,7 +23,7 @@ export function Help(): JSX.Element {
         <form method="dialog">
           <h2>Over the curves</h2>
           <dl>{KEYS.map(([key, text]) => <div key={key}><dt>{key}</dt><dd>{text}</dd></div>)}</dl>
-          <p>On the ribbon below, the calibration window is dragged as a whole or by its ends, and so are take-off and landing; or by arrow keys and Enter. Everything is computed anew.</p>
+          <p>On the ribbon below, drag the calibration window or its ends, the take-off or the landing, or move them with the arrow keys and Enter. Everything is recomputed.</p>
           <button type="submit" class="main">Close</button>
         </form>
       </dialog>

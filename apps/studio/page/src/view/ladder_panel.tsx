@@ -1,4 +1,4 @@
-// At the bottom: the error of every revision of the model, on the flights that it was learned from and on those held out.
+// At the bottom: the error of each revision of the model, on the flights learned from and on those held out.
 
 import type { JSX } from "preact";
 

@@ -1,4 +1,4 @@
-// What is where, kept under names.
+// Layouts that are kept under names.
 
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";

@@ -1,4 +1,4 @@
-// What each curve is, and its value where the cursor stands; without a cursor the name alone.
+// The name of each curve and its value at the cursor; without a cursor the name alone.
 
 import type { JSX } from "preact";
 
@@ -44,7 +44,7 @@ function entries(spec: TimeSpec, at: number | null): Entry[] {
     const sigma = spec.bands.find(({ quiet, role }) => quiet && role === line.role);
     return { name: line.name, role: line.role, look: line.dashed ? "dashed" : "line", value: one(line.y, place, sigmaAt(sigma, place)) };
   });
-  // What if stands last.
+  // What-if curves come last.
   return [...lines, ...bands].sort((one, other) => Number(one.look === "dashed") - Number(other.look === "dashed"));
 }
 
@@ -64,7 +64,7 @@ function nearest(x: ReadonlyArray<number>, at: number): number {
   return low;
 }
 
-/** Between values as far apart as this nothing is read off, in points of the axis. */
+/** Largest distance from the cursor to a value that is read off, in points of the axis. */
 const REACH = 60;
 
 function around(y: Values, place: number): number | null {

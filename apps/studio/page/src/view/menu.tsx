@@ -1,14 +1,14 @@
-// A menu that unfolds below its button, and folds on Escape, on a click elsewhere, and when something is chosen.
+// A menu that opens below its button. It closes on Escape, on a click elsewhere, and on a choice.
 
 import type { ComponentChildren, JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 
 interface MenuProps {
-  /** What is on the button. */
+  /** Content of the button. */
   summary: JSX.Element;
-  /** Classes beside `menu`. */
+  /** Classes in addition to `menu`. */
   class?: string;
-  /** What is in it; `close` folds it and gives the focus back to the button. */
+  /** Content of the menu; `close` closes it and returns the focus to the button. */
   children: (close: () => void) => ComponentChildren;
 }
 

@@ -26,7 +26,7 @@ import { PhaseRibbon } from "./phase_ribbon";
 import { Refused } from "./refused";
 import { capital, plain, sensorName, shortSensorName } from "./words";
 
-/** The gutter and what is right of the curves. */
+/** Width of the gutter and of what is right of the curves, pixels. */
 const BESIDE = 78;
 
 export function Middle(): JSX.Element {

@@ -1,4 +1,4 @@
-// Right, below the effects that are known: one of the user's own, by formula, and laws that are searched for.
+// Right, below the known effects: the user's own effect by formula, and the search for laws.
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
@@ -25,7 +25,7 @@ export function OwnEffect(): JSX.Element | null {
 }
 
 function change(part: Partial<Draft>): void {
-  // What is typed is no longer the law that was proposed.
+  // After an edit it is no longer the law that was proposed.
   draft.value = { ...draft.value, id: "", about: "", ...part };
 }
 
@@ -59,7 +59,7 @@ function FormulaBox(): JSX.Element {
   );
 }
 
-/** The formula again, with the place marked. */
+/** The formula again, with the place of the problem marked. */
 function Problem({ text, problem }: { readonly text: string; readonly problem: FormulaProblem }): JSX.Element {
   const { from, to, message } = problem;
   const place = text.slice(from, Math.max(to, from + 1));
@@ -90,7 +90,7 @@ function Fit(): JSX.Element | null {
 const FUNCTIONS = "abs min max clamp sqrt exp ln sin cos step rate integral integral2 lowpass delay captive at_calibration at_launch";
 const SIGNALS = "airspeed_mps climb_rate_mps load_factor altitude_m aoa_rad t tau launch";
 
-/** What a formula may name. */
+/** Names that a formula may use. */
 function Names(): JSX.Element {
   const [isOpen, setOpen] = useState(false);
   const columns = shown.value?.opened.columns.filter(({ values, name }) => values > 0 && name !== "time_s") ?? [];

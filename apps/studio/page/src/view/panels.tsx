@@ -189,7 +189,7 @@ function CorrelationPanel({ found, problem, isCross }: CorrelationPanelProps): J
   const { now, then } = found;
   const lag = Array.from(now.lag_s);
   if (lag.length < 3) return <p class="plot empty">Too short, or with too many gaps, for a correlation.</p>;
-  // By the lag: one of both may reach less far.
+  // Matched by lag, because one of the two may reach less far.
   const column = (reply: typeof now): Array<number | null> => {
     const known = new Map(Array.from(reply.lag_s, (at, i) => [Math.round(at / reply.block_s), reply.correlation[i]]));
     return lag.map((at) => { const value = known.get(Math.round(at / now.block_s)); return value === undefined || Number.isNaN(value) ? null : value; });

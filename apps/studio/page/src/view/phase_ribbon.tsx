@@ -1,4 +1,5 @@
-// The flight's own clock: where it is calibrated, take-off and landing, all to be dragged or moved by keys; and the launch.
+// On the flight's own clock: calibration, take-off and landing, which can be dragged or moved by keys; and
+// the launch.
 
 import { useSignal } from "@preact/signals";
 import type { HTMLAttributes, JSX } from "preact";
@@ -12,10 +13,10 @@ import { ribbons } from "../state/studio";
 import { view } from "../state/view";
 import type { Span } from "../state/view";
 
-/** A window shorter than this can't be calibrated on, and no flight is one. */
+/** Shortest window that can be calibrated on, and shortest time in the air, seconds. */
 const SHORTEST_S = 5;
 
-/** What is held: an end of the calibration or all of it, or an end of the time in the air. */
+/** What is dragged: an end of the calibration or all of it, or an end of the time in the air. */
 type Grip = "from" | "to" | "both" | "take-off" | "landing";
 
 interface Spans {
@@ -26,8 +27,8 @@ interface Spans {
 const LABELS: Readonly<Record<Exclude<Grip, "both">, string>> = {
   from: "Calibration begins. Arrow keys move it, Enter recalibrates",
   to: "Calibration ends. Arrow keys move it, Enter recalibrates",
-  "take-off": "Take-off. Arrow keys move it, Enter computes anew",
-  landing: "Landing. Arrow keys move it, Enter computes anew",
+  "take-off": "Take-off. Arrow keys move it, Enter recomputes",
+  landing: "Landing. Arrow keys move it, Enter recomputes",
 };
 
 export function PhaseRibbon(): JSX.Element | null {
@@ -89,7 +90,7 @@ export function PhaseRibbon(): JSX.Element | null {
     onKeyDown: keys(grip),
     onBlur: release(grip),
   });
-  /** An end of the time in the air; one that the log does not have stands at the log's own. */
+  /** A handle for take-off or landing. One that the log does not have is drawn at that end of the log. */
   const airborneEnd = (grip: "take-off" | "landing"): JSX.Element | null => {
     const at = grip === "take-off" ? now.air.from : now.air.to;
     const isInLog = grip === "take-off" ? at > first : at < last;
@@ -138,7 +139,7 @@ export function PhaseRibbon(): JSX.Element | null {
   );
 }
 
-/** Whether a label right of its moment would not have room. */
+/** Whether a label on the right of its moment would lack room. */
 function isEnd(at: number, from: number, to: number): boolean {
   return at > from + 0.85 * (to - from);
 }
@@ -158,7 +159,7 @@ function moved({ calibration: window, air }: Spans, grip: Grip, by: number, log:
   }
 }
 
-/** What the user has said by moving it. */
+/** Times that the user has set by moving the grip. */
 function said({ calibration: window, air }: Spans, grip: Grip, log: Span): Partial<Times> {
   const round = (value: number): number => Math.round(value * 100) / 100;
   if (grip === "take-off" || grip === "landing") {
@@ -166,7 +167,7 @@ function said({ calibration: window, air }: Spans, grip: Grip, log: Span): Parti
       take_off_s: air.from > log.from ? round(air.from) : null,
       landing_s: air.to < log.to ? round(air.to) : null,
     };
-    // In the air from end to end is nothing said: it is what a log without both shows.
+    // In the air from end to end sets nothing: a log without take-off and landing shows the same.
     return { airborne: airborne.take_off_s === null && airborne.landing_s === null ? null : airborne };
   }
   return { window: window && { start_s: round(window.from), end_s: round(window.to) } };

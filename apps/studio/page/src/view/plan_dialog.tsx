@@ -1,4 +1,5 @@
-// The next flight, planned: manoeuvres on the left, on the right what they would tell before anybody flies them.
+// The plan of the next flight: manoeuvres on the left, what they would show on the right, before they are
+// flown.
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
@@ -14,7 +15,7 @@ import { guides } from "../state/studio";
 import { amountUnit, rangeText, wordsOf } from "./plan_words";
 import { capital, sensorName } from "./words";
 
-/** The dialog, once it is there. */
+/** The dialog, once it exists. */
 const dialog = signal<HTMLDialogElement | null>(null);
 
 export function openPlan(): void {
@@ -22,7 +23,7 @@ export function openPlan(): void {
   void beginPlan();
 }
 
-/** Whether there is anything to plan on. */
+/** Whether there is a flight to base a plan on. */
 export const canPlan = (): boolean => learners.value.length > 0;
 
 export function PlanDialog(): JSX.Element {
@@ -67,7 +68,7 @@ function saveScenario(): void {
   if (planned.value) download("next-flight.toml", "application/toml", planned.value.scenario);
 }
 
-/** The card alone is printed: the style sheet goes by this class. */
+/** Prints the card alone: the style sheet depends on this class. */
 function printCard(): void {
   const { classList } = document.documentElement;
   classList.add("prints-card");
@@ -85,7 +86,7 @@ interface FieldProps {
   readonly put: (value: number) => void;
 }
 
-/** A number with its unit; what can't be read is not taken. */
+/** A number with its unit; invalid input is ignored. */
 function Field({ label, value, least, most, unit: of, step = 1, put }: FieldProps): JSX.Element {
   return (
     <span class="plan-field">
@@ -139,7 +140,7 @@ function Leg({ leg, at, count }: { readonly leg: PlannedLeg; readonly at: number
   );
 }
 
-/** What can be added, with what each would tell by itself. */
+/** Manoeuvres that can be added, with what each would show by itself. */
 function Choice(): JSX.Element {
   return (
     <ul class="plan-offers" aria-label="Manoeuvres to add">
@@ -231,7 +232,9 @@ function Intervals(): JSX.Element {
   );
 }
 
-/** To which share of itself the interval shrinks; first what was not seen and would be. */
+/**
+ * Sort key: share of itself to which the interval shrinks. Effects that only the plan would show come first.
+ */
 function shrink({ sigma_now: now, sigma_then: then, is_seen_now, is_seen_then }: EffectOutlook): number {
   if (is_seen_then && !is_seen_now) return -1;
   return now === null || then === null ? (then === null ? 2 : 0) : then / now;
@@ -239,7 +242,8 @@ function shrink({ sigma_now: now, sigma_then: then, is_seen_now, is_seen_then }:
 
 function Interval({ of }: { readonly of: EffectOutlook }): JSX.Element {
   const { coefficient, sigma_now: now, sigma_then: then, largest } = of;
-  // The picture reaches as far as the interval does now; of an effect that no flight shows, as far as nature does.
+  // The picture spans the present interval; for an effect that no flight shows, all that is physically
+  // possible.
   const half = Math.min(2 * (now ?? Infinity), largest) || 1;
   const width = (sigma: number | null): number => (sigma === null ? 100 : Math.min((200 * sigma) / half, 100));
   const digits = (sigma: number | null): string => (sigma === null ? "not shown" : coefficient === null ? `± ${sigmaText(sigma)}${unit(of.unit)}` : withSigma(coefficient, sigma) + unit(of.unit));

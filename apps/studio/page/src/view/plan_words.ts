@@ -1,11 +1,11 @@
-// What the page calls what can be planned.
+// The page's words for what can be planned.
 
 import type { Offer, PlannedManoeuvre, PlannedSegment } from "../protocol";
 
 interface Words {
   readonly name: string;
   readonly about: string;
-  /** What its amount is; empty where it has none. */
+  /** Name of its amount; empty if it has none. */
   readonly amount: string;
 }
 
@@ -46,7 +46,7 @@ export function segmentText({ manoeuvre, airspeed_mps, flight_path_deg, bank_deg
 }
 
 
-/** From the least to the greatest. */
+/** A range, from its least to its greatest value. */
 export function rangeText(range: ReadonlyArray<number>, digits = 0): string {
   return range.map((value) => value.toFixed(digits).replace("-", "−")).join(" to ");
 }

@@ -1,4 +1,4 @@
-// How much room there is.
+// Size of the screen.
 
 import { signal } from "@preact/signals";
 

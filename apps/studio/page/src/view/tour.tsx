@@ -15,7 +15,7 @@ interface Step {
 const STEPS: ReadonlyArray<Step> = [
   { at: "sentence", title: "The finding", text: "One sentence says what was found, with the number that matters. Here a simulated UAV's barometer reads wrong the faster it flies." },
   { at: "error", title: "The error", text: "What the barometer reads beyond the reference, over time, with the uncertainty as a band. Drag to brush a stretch, turn the wheel to zoom, double-click to see all." },
-  { at: "panels", title: "What it depends on", text: "The same error over any signal. The stretch that you brush is highlighted here: dives and climbs give themselves away." },
+  { at: "panels", title: "What it depends on", text: "The same error over any signal. The stretch that you brush is highlighted here: dives and climbs stand out." },
   { at: "effects", title: "The cause", text: "Physical effects, ranked by the metres they explain. The switch draws an effect's prediction over the error; Add learns it into the model." },
   { at: "ladder", title: "The proof", text: "Every revision of the model with its error. Undo takes the newest one back; Save writes the model for the flight computer." },
 ];

@@ -1,4 +1,4 @@
-// What the page calls what the engine names.
+// The page's words for the engine's names.
 
 const SENSORS: Readonly<Record<string, string>> = {
   baro: "Barometer",
@@ -22,7 +22,7 @@ export function capital(text: string): string {
 
 const SHORT: Readonly<Record<string, string>> = { imu_slave: "Inertial", imu_master: "Mother ship" };
 
-/** Where there is little room. */
+/** A sensor's name where there is little room. */
 export function shortSensorName(sensor: string): string {
   return SHORT[sensor] ?? sensorName(sensor);
 }
