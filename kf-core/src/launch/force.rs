@@ -159,10 +159,10 @@ impl Force {
         self.departed_us
     }
 
-    /// Since when it has been below its captive mean, if it still is. A gust may interrupt a near free fall,
+    /// Whether it is below its captive mean, since [`Self::departed_us`]. A gust may interrupt a near free fall,
     /// but hardly this.
-    pub(super) fn below_since_us(&self) -> Option<u64> {
-        self.departed_us.filter(|_| self.side == Side::Below)
+    pub(super) fn is_below(&self) -> bool {
+        self.side == Side::Below
     }
 
     /// Since when it has been near free fall without interruption.

@@ -51,9 +51,11 @@ impl LaunchDetector {
             self.has_departed = self.has_departed && self.wire.has_reopened();
             return Verdict::Suspected;
         }
-        let window_us = microseconds(self.config.window_s);
-        self.has_departed |=
-            self.force.departed_us().is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= window_us);
+        let departs_about = self
+            .force
+            .departed_us()
+            .is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= microseconds(self.config.window_s));
+        self.has_departed |= departs_about;
         let is_over = Self::has_lasted(edge_us, now_us, self.config.undecided_s);
         let messages = self.messages_since(edge_us, now_us);
         if messages == Messages::FellSilent && !Guard::ListenUntilDecided.stands() {
@@ -68,7 +70,7 @@ impl LaunchDetector {
             Messages::Alive if !is_over => return Verdict::Suspected,
             Messages::Alive | Messages::FellSilent | Messages::Absent => {}
         }
-        let motion = self.motion_since(edge_us, now_us);
+        let motion = self.motion_since(edge_us, now_us, departs_about);
         // Without a captive character only a departure can show a release, and it comes within the window.
         let is_decidable = is_over
             || (motion == Motion::Unchanged
@@ -104,14 +106,10 @@ impl LaunchDetector {
         }
     }
 
-    fn motion_since(&mut self, edge_us: u64, now_us: u64) -> Motion {
+    fn motion_since(&mut self, edge_us: u64, now_us: u64, departs_about: bool) -> Motion {
         // A release is felt within the window. A force that became too low before or after it is not the
         // release's, if the climb rate would show the fall.
-        let is_other_fall = self
-            .force
-            .below_since_us()
-            .is_some_and(|below_us| below_us.abs_diff(edge_us) > microseconds(self.config.window_s))
-            && self.climb.is_known(edge_us, now_us);
+        let is_other_fall = self.force.is_below() && !departs_about && self.climb.is_known(edge_us, now_us);
         if is_other_fall {
             self.character.disregard_changes();
         }
