@@ -177,12 +177,12 @@ fn a_clock_that_leaps_keeps_no_barometer_from_its_flag() {
 
 /// The wire bounces in the release itself and ends open, without messages: it has opened.
 #[test]
-fn a_wire_that_bounces_in_the_release_hides_none() {
+fn a_wire_that_bounces_in_the_release_does_not_hide_it() {
     assert_eq!(violations(7048, 1318), [""; 0]);
 }
 
 /// The cable tears, and 1.9 s later the inertial unit reads a fall that the climb rate does not show.
 #[test]
-fn a_torn_cable_and_a_fall_that_is_none_are_no_launch() {
+fn a_torn_cable_and_a_false_fall_are_no_launch() {
     assert_eq!(violations(7046, 2351), [""; 0]);
 }

@@ -154,7 +154,7 @@ struct Watch {
     correction: Correction,
     /// The sensor's effects could not be continued over a restart: its error is no longer known.
     stopped: bool,
-    testimony: LastError,
+    last_error: LastError,
     /// The last reading was not judged.
     is_unjudged: bool,
 }
@@ -173,12 +173,12 @@ impl Watch {
         self.is_on
             && !self.stopped
             && self.monitor.trust() != Trust::Untrustworthy
-            && time_us.saturating_sub(self.testimony.time_us) <= silent_after_us
+            && time_us.saturating_sub(self.last_error.time_us) <= silent_after_us
     }
 
     /// Whether it supports the reference and contradicts the receiver's alternative altitude, `other_m` away.
     fn contradicts(&self, other_m: f32) -> bool {
-        let error_m = self.testimony.error_m;
+        let error_m = self.last_error.error_m;
         self.is_within_bound(error_m) && !self.is_within_bound(error_m - other_m)
     }
 
@@ -193,7 +193,7 @@ pub(crate) struct KeptWatch {
     monitor: KeptMonitor,
     correction: KeptCorrection,
     stopped: bool,
-    testimony: LastError,
+    last_error: LastError,
 }
 
 /// State of free flight that cannot be recovered from configuration and latch. It is read part by part.
@@ -231,7 +231,7 @@ impl FreeFlight {
                 .with_persistence(microseconds(config.monitor.persistence_s)),
             correction: Correction::new(&config.second_correction, window_us),
             stopped: false,
-            testimony: LastError { error_m: 0.0, time_us: 0 },
+            last_error: LastError { error_m: 0.0, time_us: 0 },
             is_unjudged: false,
         };
         Self {
@@ -257,7 +257,7 @@ impl FreeFlight {
             watch.is_on = latched.is_some();
             watch.stopped = false;
             // A reading is expected soon; until then it supports no altitude.
-            watch.testimony = LastError { error_m: f32::NAN, time_us: latch.time_us };
+            watch.last_error = LastError { error_m: f32::NAN, time_us: latch.time_us };
             watch.is_unjudged = false;
             if let Some(latched) = latched {
                 let longest_step_us = longest_step_us(latch.duration_s, latched.readings);
@@ -274,7 +274,7 @@ impl FreeFlight {
                 monitor: watch.monitor.kept(),
                 correction: watch.correction.kept(),
                 stopped: watch.stopped,
-                testimony: watch.testimony,
+                last_error: watch.last_error,
             })
         };
         let [slave, baro] = &self.watches;
@@ -295,7 +295,7 @@ impl FreeFlight {
             Some(kept) if watch.is_on => {
                 watch.monitor.restore(&kept.monitor);
                 watch.stopped = kept.stopped;
-                watch.testimony = kept.testimony;
+                watch.last_error = kept.last_error;
                 watch.correction.restore(&kept.correction)
             }
             Some(_) => false,
@@ -350,7 +350,7 @@ impl FreeFlight {
         let can_compare = |watch: &&Watch| watch.can_compare(time_us, *silent_after_us);
         let agree = |departure_m: f32| {
             let mut witnesses = watches.iter().filter(can_compare);
-            witnesses.all(|watch| watch.is_within_bound(watch.testimony.error_m - departure_m))
+            witnesses.all(|watch| watch.is_within_bound(watch.last_error.error_m - departure_m))
         };
         // Without witnesses both are true.
         let is_good = reference.take(time_us, carried_m, departure_m, || agree(departure_m) && !agree(0.0));
@@ -362,7 +362,7 @@ impl FreeFlight {
 
     /// Moves the reference by `by_m` metres, and the sensors' recorded errors with it.
     pub(crate) fn move_reference(&mut self, by_m: f32) {
-        self.watches.iter_mut().for_each(|watch| watch.testimony.error_m -= by_m);
+        self.watches.iter_mut().for_each(|watch| watch.last_error.error_m -= by_m);
     }
 
     /// Takes the error of eq. 16 of one sensor, metres; `None` if the sensor is not watched or the error
@@ -386,7 +386,7 @@ impl FreeFlight {
         let is_unjudged = self.reference.is_on()
             && (!is_current || self.may_be_the_references(place, time_us, corrected_m));
         let watch = self.watches.get_mut(place)?;
-        watch.testimony = LastError { error_m: corrected_m, time_us };
+        watch.last_error = LastError { error_m: corrected_m, time_us };
         watch.is_unjudged = is_unjudged;
         if is_unjudged {
             return Some(WatchedError { error_m: corrected_m, moving_average_m: None });
@@ -418,7 +418,7 @@ impl FreeFlight {
         let other_m = self.reference.other_m();
         if own.is_within_bound(error_m - other_m)
             && !(can_compare
-                && self.reference.is_witness(other.testimony.time_us)
+                && self.reference.is_witness(other.last_error.time_us)
                 && other.contradicts(other_m))
         {
             return true;
@@ -427,7 +427,7 @@ impl FreeFlight {
             return self.reference.is_disputed();
         }
         let own = (error_m, own.monitor.bound_m2());
-        let other = (other.testimony.error_m, other.monitor.bound_m2());
+        let other = (other.last_error.error_m, other.monitor.bound_m2());
         !is_likelier_own(own, other, self.reference.play())
     }
 
@@ -436,7 +436,7 @@ impl FreeFlight {
     #[inline]
     pub(crate) fn trust(&self, sensor: Sensor, time_us: u64, has_reference: bool) -> Trust {
         let Some(watch) = self.watch(sensor) else { return Trust::Unmonitored };
-        let is_silent = time_us.saturating_sub(watch.testimony.time_us) > self.silent_after_us;
+        let is_silent = time_us.saturating_sub(watch.last_error.time_us) > self.silent_after_us;
         match watch.monitor.trust() {
             Trust::Trusted if !has_reference || is_silent || watch.stopped || watch.is_unjudged => {
                 Trust::Unmonitored

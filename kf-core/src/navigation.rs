@@ -57,7 +57,7 @@ pub struct NavigationCounts {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptInertial {
     channel: KeptChannel,
-    said_us: Option<u64>,
+    delivered_us: Option<u64>,
     is_launched: bool,
 }
 
@@ -69,7 +69,7 @@ pub struct InertialAltitude {
     last_fix: Option<GpsFix>,
     /// When [`Self::last_fix`] came, if the channel has not taken it yet.
     due_us: Option<u64>,
-    said_us: Option<u64>,
+    delivered_us: Option<u64>,
     is_launched: bool,
     /// Launched, or suspected to be.
     is_off: bool,
@@ -92,7 +92,7 @@ impl InertialAltitude {
             source: AltitudeSource::None,
             last_fix: None,
             due_us: None,
-            said_us: None,
+            delivered_us: None,
             is_launched: false,
             is_off: false,
             is_denied: false,
@@ -107,7 +107,7 @@ impl InertialAltitude {
         match self.source {
             AltitudeSource::Channel if self.is_off => Some(KeptInertial {
                 channel: self.channel.kept()?,
-                said_us: self.said_us,
+                delivered_us: self.delivered_us,
                 is_launched: self.is_launched,
             }),
             _ => None,
@@ -121,7 +121,7 @@ impl InertialAltitude {
         Some(Self {
             channel: VerticalChannel::resumed(config, &kept.channel, unknown_s)?,
             source: AltitudeSource::Channel,
-            said_us: kept.said_us,
+            delivered_us: kept.delivered_us,
             is_launched: kept.is_launched,
             is_off: true,
             ..Self::new(config)
@@ -167,13 +167,15 @@ impl InertialAltitude {
         if self.source == AltitudeSource::Channel && input.imu_slave_altitude_m.take().is_some() {
             self.counts.outside_ignored = self.counts.outside_ignored.saturating_add(1);
         }
-        let is_due = self.said_us.is_none_or(|said_us| input.time_us.saturating_sub(said_us) >= INTERVAL_US);
+        let is_due = self
+            .delivered_us
+            .is_none_or(|delivered_us| input.time_us.saturating_sub(delivered_us) >= INTERVAL_US);
         // Not at a fix's own tick: the mission compares the altitude with that fix, which the channel has not
         // taken yet.
         let may_speak = has_sample && is_due && self.due_us.is_none() && (self.is_off || !self.is_denied);
         if let (true, Some(altitude_m)) = (may_speak, self.channel.altitude_m()) {
             self.source = AltitudeSource::Channel;
-            self.said_us = Some(input.time_us);
+            self.delivered_us = Some(input.time_us);
             self.counts.delivered = self.counts.delivered.saturating_add(1);
             input.imu_slave_altitude_m = Some(altitude_m);
         }

@@ -80,7 +80,7 @@ pub struct Watched {
     /// Size of the step that was planted, metres.
     pub step_m: Option<f32>,
     smooth: [Option<(f32, usize)>; SENSORS],
-    telling: Option<(RestartReport, Vec<(Step, Counters)>)>,
+    reporting: Option<(RestartReport, Vec<(Step, Counters)>)>,
 }
 
 impl Watched {
@@ -97,7 +97,7 @@ impl Watched {
         // Standby has a message of its own, once a second, which `telemetry`'s tests check.
         let is_reported = report.is_some_and(|report| report.start == Start::Standby || report.pause_us > 0);
         self.restarts.push(Restarted { tick, report, is_reported });
-        self.telling = report.filter(|_| !is_reported).map(|report| (report, Vec::new()));
+        self.reporting = report.filter(|_| !is_reported).map(|report| (report, Vec::new()));
     }
 
     /// Notes a tick.
@@ -149,7 +149,7 @@ impl Watched {
         let error_m = output.sensors.map(|sensor| sensor.error_m);
         let average_m = output.sensors.map(|sensor| sensor.moving_average_m);
         self.ticks.push(Some(Seen { trust, fresh, true_error_m, error_m, average_m }));
-        if let Some((_, steps)) = &mut self.telling {
+        if let Some((_, steps)) = &mut self.reporting {
             steps.push((step.clone(), *counters));
             if steps.len() >= REPORTING_TICKS {
                 self.end_reporting();
@@ -159,7 +159,7 @@ impl Watched {
 
     /// Checks whether the last restart was reported.
     pub fn end_reporting(&mut self) {
-        if let (Some((report, steps)), Some(last)) = (self.telling.take(), self.restarts.last_mut()) {
+        if let (Some((report, steps)), Some(last)) = (self.reporting.take(), self.restarts.last_mut()) {
             // A flight computer that is off again before its first tick had no time to report anything.
             last.is_reported = steps.is_empty() || is_reported(&report, &steps, self.latch.as_ref());
         }

@@ -27,8 +27,8 @@ const FLOOR_MPS2: f32 = 0.1;
 const FLOOR_ROUGHNESS: f32 = 0.25;
 /// Blocks in a row that differ.
 const IN_A_ROW: u8 = 2;
-/// Differing captive blocks in a row that are a new regime of flight. Fewer are a flipped bit or a bump, which
-/// must not widen the spread that changes are compared with for ten seconds.
+/// Differing captive blocks in a row that are a new regime of flight. Fewer are a flipped bit or a bump:
+/// they must not widen the spread that changes are compared with for ten seconds.
 const NEW_REGIME: u8 = 3;
 /// The last block of a living unit ended no longer ago than this, microseconds: a block and a lost one.
 const LIVING_US: u64 = 600_000;
@@ -153,8 +153,8 @@ impl Character {
         self.is_comparable() && self.is_living(now_us)
     }
 
-    /// Whether the unit delivers, and has done so since a block before the suspicion began. That is as long as
-    /// the cable's slack takes, so it would have felt the hooks open.
+    /// Whether the unit delivers, and has done so since a block before the suspicion began. That is the
+    /// longest time that the cable's slack takes, so it would have felt the hooks open.
     pub(super) fn is_living(&self, now_us: u64) -> bool {
         !self.was_blind && self.lives(now_us)
     }

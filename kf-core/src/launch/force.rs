@@ -1,7 +1,7 @@
-//! The force on the vehicle: when it departs from what it was under the pylon, and when it falls.
+//! The force on the vehicle: when it departs from its captive mean, and when it shows a fall.
 //!
-//! The magnitude comes from its smoothed square by one of Heron's steps a sample: no tick takes a root, and a
-//! value that moves little between samples is followed closely.
+//! The magnitude is computed from its smoothed square by one of Heron's steps per sample. No tick takes a
+//! square root, and a value that changes little between samples is followed closely.
 
 use super::{LaunchConfig, LaunchCounts, LaunchInput, count, step_s};
 use crate::atmosphere::STANDARD_GRAVITY_MPS2;
@@ -10,18 +10,19 @@ use crate::atmosphere::STANDARD_GRAVITY_MPS2;
 const SMOOTHING_S: f32 = 0.03;
 /// Time constant of the captive mean, seconds: longer than a gust, shorter than a turn.
 const MEAN_S: f32 = 2.0;
-/// That of the spread about it, seconds: some tens of gusts.
+/// Time constant of the spread about the mean, seconds: some tens of gusts.
 const SPREAD_S: f32 = 10.0;
-/// Captive samples without which there is no mean to depart from, seconds.
+/// Captive time needed for a mean, seconds.
 const LEAST_CAPTIVE_S: f32 = 5.0;
-/// What is further off the captive mean than half a g is learnt only once it has lasted for so long, seconds:
-/// a turn lasts, wild samples of a unit do not, and would hide a departure for as long as the spread
-/// remembers them. Before the first sample the mean is one g.
+/// A force more than half a g off the captive mean enters it only after this time, seconds. A turn lasts;
+/// wild samples of a unit do not, and would hide a departure for as long as they are in the spread. Before
+/// the first sample the mean is one g.
 const UNLIKELY_MPS2: f32 = 4.9;
 const REGIME_S: f32 = 1.0;
-/// Samples further apart than this, seconds, are not smoothed together, and a fall between them is not known.
+/// Samples further apart than this, seconds, are not smoothed together, and a fall is not assumed between
+/// them.
 const LONGEST_GAP_S: f32 = 0.1;
-/// Keeps Heron's step from dividing by nothing, m/s^2.
+/// Keeps Heron's step from dividing by zero, m/s^2.
 const LEAST_FORCE_MPS2: f32 = 0.01;
 /// No unit of this class reads more, m/s^2.
 const LARGEST_FORCE_MPS2: f32 = 1_000.0;
@@ -44,7 +45,7 @@ pub(super) struct Force {
     captive_mean: f32,
     captive_variance: f32,
     captive_s: f32,
-    /// For how long it has been unlikely, seconds.
+    /// How long it has been too far off the mean, seconds.
     unlikely_s: f32,
     side: Side,
     departed_us: Option<u64>,
@@ -69,8 +70,8 @@ impl Default for Force {
 }
 
 impl Force {
-    /// Takes a tick's sample, if it has one, and hands on a valid one. Only what is captive for certain
-    /// enters mean and spread.
+    /// Takes a tick's sample, if any, and returns it if it is valid. Only samples that are certainly captive
+    /// enter mean and spread.
     pub(super) fn take(
         &mut self,
         input: &LaunchInput,
@@ -96,15 +97,14 @@ impl Force {
             Some(gap_s) => self.square += (square - self.square) * (gap_s / (SMOOTHING_S + gap_s)),
             None => self.square = square,
         }
-        // The first time from afar: gravity, or wherever a gap began.
+        // The first root starts far off: at gravity, or at the value before a gap.
         let start = if self.magnitude > 0.0 { self.magnitude } else { STANDARD_GRAVITY_MPS2 };
         let steps = if gap_s.is_some() { 1 } else { 8 };
         self.magnitude =
             (0..steps).fold(start, |root, _| 0.5 * (root + self.square / root)).max(LEAST_FORCE_MPS2);
         self.follow_fall(now_us, config);
         self.follow_departure(now_us, config);
-        // Nobody is carried in free fall: a unit that reads one must not widen what a departure is held
-        // against.
+        // A carried vehicle is not in free fall: a unit that reads one must not widen the spread.
         if let (true, Some(gap_s), None) = (is_captive, gap_s, self.falling_us) {
             let apart = self.magnitude - self.captive_mean;
             let is_unlikely = apart.abs() > UNLIKELY_MPS2;
@@ -131,7 +131,7 @@ impl Force {
     }
 
     fn follow_departure(&mut self, now_us: u64, config: &LaunchConfig) {
-        // Soon after a start there is no mean yet: whoever is carried weighs one g.
+        // Soon after a start there is no mean yet: a carried vehicle has one g.
         let (mean, variance) = if self.captive_s < LEAST_CAPTIVE_S {
             (STANDARD_GRAVITY_MPS2, 0.0)
         } else {
@@ -154,13 +154,13 @@ impl Force {
         self.side = side;
     }
 
-    /// When the force last left its captive mean, or crossed to the other side of it.
+    /// When the force last left its captive mean, or crossed to its other side.
     pub(super) const fn departed_us(&self) -> Option<u64> {
         self.departed_us
     }
 
-    /// Whether it is below its captive mean, since [`Self::departed_us`]. A gust may interrupt a near free fall,
-    /// but hardly this.
+    /// Whether it is below its captive mean, since [`Self::departed_us`]. Unlike a near free
+    /// fall, this is hardly interrupted by gusts.
     pub(super) fn is_below(&self) -> bool {
         self.side == Side::Below
     }

@@ -3,11 +3,11 @@
 use super::{LaunchConfig, LaunchCounts, LaunchInput, count};
 use crate::time::microseconds;
 
-/// Intervals without which a rhythm is not known; until then a silence is as long as the time limit.
+/// Intervals needed to know the messages' rhythm; until then a silence must last for the time limit.
 const LEAST_INTERVALS: u8 = 2;
 /// Weight of one interval in their mean: one in eight.
 const WEIGHT: u64 = 8;
-/// No silence is shorter than this, microseconds: the operating system of a mother ship hesitates as long.
+/// Shortest silence, microseconds: the mother ship's operating system may pause as long.
 const SHORTEST_SILENCE_US: u64 = 50_000;
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,14 +43,14 @@ impl Link {
         let interval_us = message_us - last_us;
         self.last_us = Some(message_us);
         if self.has_rhythm() && interval_us > self.silence_us(config) {
-            // A silence is no interval: the rhythm is learned anew.
+            // A silence is not an interval: the rhythm is learned again.
             count(&mut counts.link_losses);
             self.intervals = 0;
             return true;
         }
         self.interval_us = match self.intervals {
             0 => interval_us,
-            // Each share on its own: their sum before the division may be beyond 64 bits.
+            // Each share is divided by itself: their sum may exceed 64 bits.
             _ => self.interval_us - self.interval_us / WEIGHT + interval_us / WEIGHT,
         };
         self.intervals = self.intervals.saturating_add(1);
@@ -73,14 +73,14 @@ impl Link {
         self.last_us
     }
 
-    /// Whether messages came until then.
+    /// Whether messages came until that time.
     #[inline(never)]
     pub(super) fn is_alive_at(&self, time_us: u64, config: &LaunchConfig) -> bool {
         let limit_us = self.silence_us(config);
         self.last_us.is_some_and(|last_us| time_us.saturating_sub(last_us) <= limit_us)
     }
 
-    /// Whether messages came, and no longer do.
+    /// Whether messages came, and have stopped.
     pub(super) fn is_silent(&self, now_us: u64, config: &LaunchConfig) -> bool {
         self.last_us.is_some() && !self.is_alive_at(now_us, config)
     }

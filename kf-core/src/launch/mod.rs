@@ -38,7 +38,7 @@
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
 //! | open | none, or silent | the unit has died, fixes go on | suspected; at the limit or later launched, [`Confirmation::Unconfirmed`], once the climb rate is another by 2 m/s, or a minute has passed |
-//! | open | none, or silent | low since longer before or after `e` than the window, and the fixes' climb rate has not fallen | as with a unit that has died |
+//! | open | none, or silent | low, but not since within the window of `e`, and the fixes' climb rate has not fallen | as with a unit that has died |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | known, no change | suspected; at the limit captive |

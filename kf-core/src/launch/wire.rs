@@ -3,10 +3,10 @@
 use super::{LaunchConfig, LaunchCounts, LaunchInput, WireCondition, count};
 use crate::time::microseconds;
 
-/// Openings, each within the time below of the one before, that make a wire a loose contact: a plug that is
+/// Openings, each within the time below of the previous one, that make a wire a loose contact. A plug that is
 /// pulled bounces for some 10 ms, of which the tick sees one or two edges.
 const RESTLESS: u8 = 5;
-/// See [`RESTLESS`], microseconds. A contact that is at rest for longer is not a loose one any more.
+/// Time for [`RESTLESS`], microseconds. A contact that has been at rest for longer is no longer loose.
 const RESTLESS_US: u64 = 1_000_000;
 
 /// What the wire shows of a launch.
@@ -32,14 +32,14 @@ pub(super) struct Wire {
     has_reopened: bool,
     is_settled: bool,
     is_broken: bool,
-    /// Since when it has read closed.
+    /// Start of the present closed readings.
     closed_us: Option<u64>,
-    /// When it was read last, or first asked.
+    /// Time of the last reading, or of the first attempt.
     read_us: Option<u64>,
     is_unreadable: bool,
     /// The last reading.
     was_open: bool,
-    /// Openings that each followed the one before closely, and the last one's edge.
+    /// Openings that each followed the previous one closely, and the last one's edge.
     openings: u8,
     opened_us: u64,
 }
@@ -96,8 +96,8 @@ impl Wire {
         count(&mut counts.mended_wires);
     }
 
-    /// A wire that opens and closes repeatedly is a loose contact, and broken: a launch would be lost among its
-    /// edges. Once it is at rest, closed or open, it says as much as any other wire.
+    /// A wire that opens and closes repeatedly is a loose contact, and broken: a launch would be lost among
+    /// its edges. Once it is at rest, closed or open, it counts like any other wire.
     fn note_opening(&mut self, edge_us: u64, counts: &mut LaunchCounts) {
         let is_next = edge_us.saturating_sub(self.opened_us) < RESTLESS_US;
         self.openings = if is_next { self.openings.saturating_add(1) } else { 1 };
@@ -113,12 +113,12 @@ impl Wire {
         self.openings >= RESTLESS
     }
 
-    /// Whether it had closed for less than a second before this opening: the two are one.
+    /// Whether it was closed for less than a second before this opening: the two openings are one.
     pub(super) const fn has_reopened(&self) -> bool {
         self.has_reopened
     }
 
-    /// Whether it closes with this reading; for the time after launch.
+    /// Whether this reading closes it; for the time after launch.
     pub(super) fn closes(&mut self, is_open: Option<bool>) -> bool {
         is_open.is_some_and(|is_open| core::mem::replace(&mut self.was_open, is_open) && !is_open)
     }

@@ -308,7 +308,7 @@ pub(crate) mod tests {
                 single.push(first);
                 paired.push(0.5 * (first + second));
             }
-            // Effective number of steps: the slowest part keeps its sign for 2 * 3 s.
+            // Effective number of steps: the slowest part stays correlated for 2 * 3 s.
             let independent = (2.0 * steps as f64 * samples as f64 * 0.02 / 6.0).min(steps as f64);
             let sigma = (2.0 / independent).sqrt();
             for (got, expected) in

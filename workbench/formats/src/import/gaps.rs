@@ -3,6 +3,7 @@
 use flight_data::{Flight, Note};
 
 use super::damage::percent;
+use super::leap::steps_are_within;
 
 /// A gap is at least this many of the log's usual steps: after one, it is no longer known where the vehicle
 /// went (the same as `GAP_BLOCKS` blocks of `FIXES_A_BLOCK` fixes in `replay::airborne`).
@@ -13,8 +14,8 @@ const LEAST_S: f64 = 10.0;
 
 /// The note on a flight's gaps: how much is missing, and where the longest is.
 pub fn note(flight: &Flight) -> Option<Note> {
-    // No gap is shorter. Most logs end here, without a copy of their times.
-    if flight.time_s.is_sorted_by(|one, next| next - one <= LEAST_S) {
+    // No gap is shorter.
+    if steps_are_within(&flight.time_s, LEAST_S) {
         return None;
     }
     let mut steps_s: Vec<f64> = Vec::with_capacity(flight.rows());

@@ -19,7 +19,7 @@ pub fn leave_out(flight: &mut Flight) -> Vec<Note> {
         return Vec::new();
     };
     // Nothing leaps where no step is longer than the rows that belong together.
-    if flight.time_s.is_sorted_by(|one, next| next - one <= TOGETHER_S) {
+    if steps_are_within(&flight.time_s, TOGETHER_S) {
         return Vec::new();
     }
     let begins_after = second - first > LEAP_S;
@@ -70,6 +70,12 @@ pub fn leave_out(flight: &mut Flight) -> Vec<Note> {
     let mut keep = keeps.iter();
     flight.time_s.retain(|_| keep.next().copied().unwrap_or(false));
     notes
+}
+
+/// Whether no row is later than the one before it by more than this, seconds; false if a time is not a
+/// number. Most flights need no look at their gaps and leaps, which takes a copy of the times.
+pub fn steps_are_within(times_s: &[f64], longest_s: f64) -> bool {
+    times_s.is_sorted_by(|one, next| next - one <= longest_s)
 }
 
 /// Whether most of the rows after one continue from the time before it.

@@ -20,7 +20,7 @@ fn persistent(keep: f64, seed: u64) -> impl FnMut() -> f64 {
 }
 
 /// Noise as the likelihood assumes it leaves scores that are not correlated: no error is widened. An error
-/// that keeps its sign for some blocks, which the noise does not include, makes the coefficient of a similar
+/// that stays correlated over some blocks, which the noise does not include, makes the coefficient of a similar
 /// regressor less certain.
 #[test]
 fn scores_that_keep_their_sign_widen_the_error() {
