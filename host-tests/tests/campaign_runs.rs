@@ -186,3 +186,34 @@ fn a_wire_that_bounces_in_the_release_does_not_hide_it() {
 fn a_torn_cable_and_a_false_fall_are_no_launch() {
     assert_eq!(violations(7046, 2351), [""; 0]);
 }
+
+/// Bits of a turn rate, or a force, flip for half a second in the first seconds; or the receiver jumps there:
+/// the alignment ends when it would have ended anyway.
+#[test]
+fn a_transient_of_the_first_seconds_does_not_delay_the_alignment() {
+    assert_eq!(violations(7051, 815), [""; 0]);
+    assert_eq!(violations(7056, 2084), [""; 0]);
+    assert_eq!(violations(7056, 1089), [""; 0]);
+}
+
+/// A receiver converges from 35 m, is taken again with 12 m left, and the barometer has failed: an integrated
+/// altitude that is 3 m off is not blamed for the receiver's 12 m.
+#[test]
+fn a_receiver_that_is_taken_again_while_it_converges_blames_no_altitude() {
+    assert_eq!(violations(7050, 2372), [""; 0]);
+}
+
+/// A receiver jumps by 10 m, and both sensors contradict it. Fifteen seconds later the integrated altitude
+/// drifts by as much: it is no witness for the receiver.
+#[test]
+fn an_altitude_that_drifts_to_where_the_receiver_has_jumped_is_no_witness() {
+    assert_eq!(violations(7058, 2032), [""; 0]);
+}
+
+/// The program crashes between the fall that raises the suspicion and the opening of the wire, and again
+/// after that; or the supply dips there: the held calibration is that of the launch.
+#[test]
+fn a_restart_between_the_fall_and_the_opening_keeps_the_calibration() {
+    assert_eq!(violations(7060, 1193), [""; 0]);
+    assert_eq!(violations(7036, 2373), [""; 0]);
+}

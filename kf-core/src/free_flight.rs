@@ -176,10 +176,10 @@ impl Watch {
             && time_us.saturating_sub(self.last_error.time_us) <= silent_after_us
     }
 
-    /// Whether it supports the reference and contradicts the receiver's alternative altitude, `other_m` away.
-    fn contradicts(&self, other_m: f32) -> bool {
+    /// Whether it supports the reference, and the receiver's alternative altitude, `other_m` away.
+    fn supported(&self, other_m: f32) -> [bool; 2] {
         let error_m = self.last_error.error_m;
-        self.is_within_bound(error_m) && !self.is_within_bound(error_m - other_m)
+        [self.is_within_bound(error_m), self.is_within_bound(error_m - other_m)]
     }
 
     fn is_within_bound(&self, error_m: f32) -> bool {
@@ -398,12 +398,9 @@ impl FreeFlight {
 
     /// Whether the reference may have caused an error, so that it does not count against the sensor. An error
     /// within the alarm limit settles a dispute about the reference.
-    #[inline]
+    #[inline(never)]
     fn may_be_the_references(&mut self, place: usize, time_us: u64, error_m: f32) -> bool {
-        let (own, other) = match (&self.watches, place) {
-            ([slave, baro], 0) => (slave, baro),
-            ([slave, baro], _) => (baro, slave),
-        };
+        let Some(own) = self.watches.get(place) else { return false };
         if own.monitor.trust() == Trust::Untrustworthy {
             return false;
         }
@@ -414,17 +411,31 @@ impl FreeFlight {
             self.reference.settle();
             return false;
         }
-        let can_compare = other.can_compare(time_us, self.silent_after_us);
+        self.is_excused(place, time_us, error_m)
+    }
+
+    /// Whether an error beyond the alarm limit is excused by the reference's alternative altitude, or by the
+    /// other sensor's error. Not inlined: it would be in the image once for each sensor.
+    #[inline]
+    fn is_excused(&mut self, place: usize, time_us: u64, error_m: f32) -> bool {
+        let (own, other) = match (&self.watches, place) {
+            ([slave, baro], 0) => (slave, baro),
+            ([slave, baro], _) => (baro, slave),
+        };
         let other_m = self.reference.other_m();
-        if own.is_within_bound(error_m - other_m)
-            && !(can_compare
-                && self.reference.is_witness(other.last_error.time_us)
-                && other.contradicts(other_m))
-        {
-            return true;
+        let by_other = own.is_within_bound(error_m - other_m);
+        if !other.can_compare(time_us, self.silent_after_us) {
+            return by_other || self.reference.is_disputed();
         }
-        if !can_compare {
-            return self.reference.is_disputed();
+        if by_other {
+            match other.supported(other_m) {
+                [false, true] => {
+                    self.reference.discredit();
+                    return true;
+                }
+                [true, false] if self.reference.is_witness(other.last_error.time_us) => {}
+                _ => return true,
+            }
         }
         let own = (error_m, own.monitor.bound_m2());
         let other = (other.last_error.error_m, other.monitor.bound_m2());

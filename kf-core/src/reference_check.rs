@@ -84,7 +84,7 @@ pub(crate) struct Standing {
     /// unknown; NaN while the receiver is disputed ([`ReferenceCheck::is_disputed`]).
     left_m: f32,
     /// Altitude and climb rate disagreed at the launch already, or this is unknown: the sensors may have been
-    /// calibrated with the wrong one.
+    /// calibrated with the wrong one. Or both sensors have supported the climb rate since.
     was_doubted: bool,
     /// When fixes began to be refused, microseconds; 0 while they are good. Not kept over a restart.
     refused_us: u64,
@@ -169,12 +169,16 @@ impl ReferenceCheck {
 
     /// Starts at launch, or at a good fix, with the reference as it is: `left_m` from its mean over the
     /// calibration, by its climb rate, metres.
+    #[inline(never)]
     fn begin(&mut self, time_us: u64, left_m: f32) {
         let is_beyond = left_m.is_finite() && left_m.abs() > KNOWN_WANDERS * self.wander_m;
         let left_m = if is_beyond { f32::NAN } else { left_m };
-        let is_excess = left_m.is_finite() && left_m.abs() > self.wander_m;
-        let excess_m = if is_excess { left_m.abs() - self.wander_m } else { 0.0 };
-        let other_m = if left_m > 0.0 { -excess_m } else { excess_m };
+        // What is left of the departure without the part that the wander may explain (the positive part of
+        // Stein's estimator: C. Stein, "Estimation of the mean of a multivariate normal distribution", Ann.
+        // Statist. 9, 1981).
+        let wander_m2 = self.wander_m * self.wander_m;
+        let is_excess = left_m.is_finite() && left_m * left_m > wander_m2;
+        let other_m = if is_excess { wander_m2 / left_m - left_m } else { 0.0 };
         self.standing =
             Standing { good_us: time_us, carried_m: None, left_m, refused_us: 0, other_m, ..self.standing };
     }
@@ -205,6 +209,13 @@ impl ReferenceCheck {
     #[inline]
     pub(crate) const fn other_m(&self) -> f32 {
         self.standing.other_m
+    }
+
+    /// Both sensors support the receiver's alternative altitude against the reference. One that comes to
+    /// support the reference later has moved, and is no witness.
+    #[inline]
+    pub(crate) const fn discredit(&mut self) {
+        self.standing.was_doubted = true;
     }
 
     /// Whether a sensor whose last reading has that time is a witness of the receiver's two altitudes: it was
@@ -288,5 +299,47 @@ impl ReferenceCheck {
             self.standing = Standing { carried_m, refused_us, other_m: departure_m, ..self.standing };
         }
         is_good
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A departure within the wander has no alternative altitude. Beyond it the alternative is nearly the
+    /// whole departure: the wander explains 4 m of it, or less, never more than a quarter of 8 m.
+    #[test]
+    fn a_large_departure_is_hardly_the_wanders() {
+        let mut check = ReferenceCheck {
+            is_on: true,
+            gate_m2: 72.0,
+            gate_m2_per_s: 2.0,
+            wander_m: 4.0,
+            lost_after_us: 5_000_000,
+            standing: Standing {
+                good_us: 0,
+                carried_m: None,
+                left_m: 0.0,
+                was_doubted: false,
+                refused_us: 0,
+                other_m: 0.0,
+            },
+        };
+        let mut other_m = |left_m: f32| {
+            check.begin(1_000_000, left_m);
+            check.other_m()
+        };
+        for (left_m, wanted_m) in [
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (-4.0, 0.0),
+            (8.0, -6.0),
+            (-8.0, 6.0),
+            (40.0, -39.6),
+            (f32::INFINITY, 0.0),
+        ] {
+            let found_m = other_m(left_m);
+            assert!((found_m - wanted_m).abs() < 1e-4, "{left_m}: {found_m}");
+        }
     }
 }

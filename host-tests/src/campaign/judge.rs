@@ -32,9 +32,16 @@ const DECISION_TICKS: usize = 10;
 /// Largest number of operations on ports in a tick. A clean flight's worst tick takes 14. The budget of
 /// instructions, which the QEMU sample must meet, covers all work.
 const MOST_OPERATIONS: u32 = 40;
-/// Calling a sensor untrustworthy is right if its true error is beyond this share of the bound: the reference
-/// has an error of its own, which the bound allows for.
+/// Calling a sensor untrustworthy is right if its true error, or that error's change since the launch, is
+/// beyond this share of the bound: the reference has an error of its own, which the bound allows for. A
+/// receiver that was off throughout the calibration leaves a wrong bias; what the sensor has drifted since is
+/// its own error nevertheless.
 const RIGHTLY: f32 = 0.6;
+/// So it is if a receiver without the fault shows the sensor beyond this share of the bound: what the fault
+/// did to the sensor and the receiver's usual wander add up to that, and the wander is no fault. Less than 1,
+/// because the judge's average lags the monitor's by up to a second: 1.4 m at the drift that is to be flagged
+/// (2 m/s), a fifth of a bound of 7 m.
+const SHOWN: f32 = 0.8;
 /// Flagging an altitude that the flight computer integrates is owed once its true error is beyond this
 /// multiple of the bound. Its own drift may cancel a push, and the same error of the reference may hide what
 /// is left.
@@ -395,7 +402,16 @@ impl Judge<'_> {
         if fails.is_some_and(|failure| flagged.tick >= failure.tick) {
             return None;
         }
-        (flagged.true_error_m.abs() < RIGHTLY * self.bound_m(sensor)).then_some(flagged.tick)
+        // The fault may have widened the limit; what is right does not depend on that.
+        let clean = self.clean.latch.as_ref().map(|latch| latch.sensors[sensor.index()].bound_m());
+        let bound_m = clean.filter(|bound_m| *bound_m > 0.0).unwrap_or(f32::MAX).min(self.bound_m(sensor));
+        let shown_m = flagged.true_error_m - self.clean.fix_error_m(flagged.tick);
+        let launched = self.faulty.launched.and_then(|tick| self.faulty.ticks.get(tick).copied().flatten());
+        let calibrated_m = launched.map_or(0.0, |seen| seen.true_error_m[sensor.index()]);
+        let is_right = flagged.true_error_m.abs() >= RIGHTLY * bound_m
+            || (flagged.true_error_m - calibrated_m).abs() >= RIGHTLY * bound_m
+            || shown_m.abs() >= SHOWN * bound_m;
+        (!is_right).then_some(flagged.tick)
     }
 
     fn blame(&mut self) {
@@ -580,11 +596,14 @@ impl Judge<'_> {
                 );
             }
         }
+        // Where the clean flight does not detect the launch, or not yet, it monitors nothing either.
+        let Some(launched) = self.clean.launched.zip(self.faulty.launched).map(|(a, b)| a.max(b)) else {
+            return;
+        };
         for sensor in FREE {
-            let extra = self.faulty.unmonitored(sensor).saturating_sub(self.clean.unmonitored(sensor));
-            // Where the clean flight does not detect the launch, it monitors nothing either.
-            let both_launched = self.clean.launched.is_some() && self.faulty.launched.is_some();
-            if extra > (to - from) + GRACE_TICKS && both_launched && !restarts_captive {
+            let extra = self.in_vain(self.faulty, sensor, launched);
+            let extra = extra.saturating_sub(self.in_vain(self.clean, sensor, launched));
+            if extra > (to - from) + GRACE_TICKS && !restarts_captive {
                 let last = self.faulty.ticks.iter().rev().flatten().next();
                 let for_good = last.is_some_and(|seen| seen.trust[sensor.index()] == Trust::Unmonitored);
                 let invariant = if for_good { Invariant::Permanent } else { Invariant::Transient };
@@ -594,6 +613,18 @@ impl Judge<'_> {
                 );
             }
         }
+    }
+
+    /// Number of ticks from one on at which a sensor that reads right is not monitored. One that is wrong and
+    /// not yet flagged is not missed.
+    fn in_vain(&self, watched: &Watched, sensor: Sensor, from: usize) -> usize {
+        let limit_m = RIGHTLY * self.bound_m(sensor);
+        let seen = watched.ticks.iter().skip(from).flatten();
+        let is_in_vain = |seen: &&Seen| {
+            seen.trust[sensor.index()] == Trust::Unmonitored
+                && seen.true_error_m[sensor.index()].abs() < limit_m
+        };
+        seen.filter(is_in_vain).count()
     }
 
     fn worst(&self) -> Consequence {

@@ -30,6 +30,8 @@ pub struct Seen {
     pub error_m: [Option<f32>; SENSORS],
     /// Its moving average, metres, where the error was judged.
     pub average_m: [Option<f32>; SENSORS],
+    /// Error of the receiver's altitude, metres, where there was a fix.
+    pub fix_error_m: Option<f32>,
 }
 
 /// A sensor that is called untrustworthy.
@@ -148,7 +150,8 @@ impl Watched {
         let true_error_m = self.smooth.map(|smooth| smooth.map_or(0.0, |(error_m, _)| error_m));
         let error_m = output.sensors.map(|sensor| sensor.error_m);
         let average_m = output.sensors.map(|sensor| sensor.moving_average_m);
-        self.ticks.push(Some(Seen { trust, fresh, true_error_m, error_m, average_m }));
+        let fix_error_m = input.gps.map(|fix| fix.altitude_m - altitude_m);
+        self.ticks.push(Some(Seen { trust, fresh, true_error_m, error_m, average_m, fix_error_m }));
         if let Some((_, steps)) = &mut self.reporting {
             steps.push((step.clone(), *counters));
             if steps.len() >= REPORTING_TICKS {
@@ -186,6 +189,18 @@ impl Watched {
             }
         }
         longest.max(to.saturating_sub(last))
+    }
+
+    /// Mean error of the receiver's altitude over the monitor's window before a tick, metres; zero without a
+    /// fix.
+    #[must_use]
+    pub fn fix_error_m(&self, tick: usize) -> f32 {
+        let from = tick.saturating_sub((SMOOTH_S * 200.0) as usize);
+        let seen = self.ticks.get(from..=tick).unwrap_or_default().iter().flatten();
+        let (sum_m, count) = seen
+            .filter_map(|seen| seen.fix_error_m)
+            .fold((0.0, 0.0), |(sum_m, count), error_m| (sum_m + error_m, count + 1.0));
+        sum_m / f32::max(count, 1.0)
     }
 
     /// Number of ticks of free flight at which a sensor was not monitored.

@@ -52,6 +52,9 @@
 //! A wire that reads closed for less than a second is not yet closed again: if it reopens, a departure about
 //! its first opening still counts.
 //!
+//! A start that continues a suspicion ([`LaunchDetector::after_suspicion`]) is not captive before the window
+//! has passed.
+//!
 //! A wire is unreadable after [`LaunchConfig::undecided_s`] without a reading. A broken wire that reads
 //! closed for the debounce time is whole again. A wire that opens five times, each within a second of the
 //! last, is a loose contact: broken until it has been at rest for a second. If it rests closed it is whole
@@ -169,6 +172,8 @@ pub struct LaunchDetector {
     had_mission: bool,
     /// The start was an interruption.
     was_interrupted: bool,
+    /// The start continued a suspicion.
+    continues_suspicion: bool,
     /// The force has departed about this opening of the wire. What it does later does not undo that.
     has_departed: bool,
     clock: Clock,
@@ -229,6 +234,7 @@ impl LaunchDetector {
             first_us: None,
             had_mission: false,
             was_interrupted: false,
+            continues_suspicion: false,
             clock: Clock::default(),
             wire: Wire::default(),
             force: Force::default(),
@@ -247,6 +253,13 @@ impl LaunchDetector {
     #[must_use]
     pub const fn after_interruption(self) -> Self {
         Self { was_interrupted: true, ..self }
+    }
+
+    /// As [`Self::after_interruption`], while a launch was suspected. The suspicion lasts for at least the
+    /// cable's slack: what raised it, a fall or a contact that bounces, may show itself again only then.
+    #[must_use]
+    pub const fn after_suspicion(self) -> Self {
+        Self { was_interrupted: true, continues_suspicion: true, ..self }
     }
 
     /// After a start that was a cold one, because the wire is closed, but has found the traces of a mission:
@@ -331,6 +344,11 @@ impl LaunchDetector {
             LaunchState::Captive | LaunchState::Launched(_) => clock_us,
         };
         self.state = match verdict {
+            Verdict::Captive
+                if self.continues_suspicion && !Self::has_lasted(first_us, now_us, self.config.window_s) =>
+            {
+                LaunchState::Suspected { since_us }
+            }
             Verdict::Captive => LaunchState::Captive,
             Verdict::Suspected => LaunchState::Suspected { since_us },
             Verdict::Launched(by) => {

@@ -163,7 +163,7 @@ fn a_unit_that_falls_while_it_aligns_begins_anew() {
         }
     });
     assert!(said.iter().all(|(_, altitude_m)| (altitude_m - 1_000.0).abs() < 1.5), "{said:?}");
-    assert!((1_100 + 4_000..7_000).contains(&said[0].0), "{:?}", said[0]);
+    assert!((1_100 + 2_000..7_000).contains(&said[0].0), "{:?}", said[0]);
     assert!(navigation.channel().lacking_acceleration_mps2().abs() < 0.02);
 }
 

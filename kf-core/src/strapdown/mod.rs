@@ -103,7 +103,8 @@ pub struct Config {
     pub level_window_s: f32,
     /// Window of the tie to the reference, seconds.
     pub anchor_window_s: f32,
-    /// Least time of alignment, of both level and altitude, before the channel gives an altitude, seconds.
+    /// Least time of alignment before the channel gives an altitude, seconds. Half of it must be covered by
+    /// fixes, and it by the level on specific force alone, unless a match with velocities has lasted.
     pub minimum_s: f32,
     /// Longest time between two inertial samples that is bridged by a straight line, seconds.
     pub longest_gap_s: f32,
@@ -200,8 +201,10 @@ pub struct VerticalChannel {
     contradictions: u8,
     is_launched: bool,
     last: Option<Last>,
-    /// Time covered by fixes.
+    /// Time covered by fixes since the tie began.
     anchor: Memory,
+    /// Duration of the alignment's ties before this one, seconds.
+    anchor_before_s: f32,
     /// Time of the last fix taken.
     anchor_time_us: u64,
     tie: Tie,
@@ -257,6 +260,7 @@ impl VerticalChannel {
             is_launched: false,
             last: None,
             anchor: Memory::default(),
+            anchor_before_s: 0.0,
             anchor_time_us: 0,
             tie: Tie::START,
             tie_time_us: 0,
@@ -541,15 +545,26 @@ impl VerticalChannel {
         Ok(())
     }
 
-    /// Whether level, altitude and climb rate are known: both fits cover the minimum time.
+    /// Whether the level is known: the fit on specific force covers the minimum time, or a match with
+    /// velocities has lasted, which knows it sooner.
+    fn is_level(&self) -> bool {
+        self.levelling.elapsed_s() >= self.config.minimum_s
+            || self.matching.as_ref().is_some_and(VelocityMatch::has_lasted)
+    }
+
+    /// Whether level, altitude and climb rate are known. What disturbs the first half of the minimum time,
+    /// untrimmed flight or a receiver that jumps, does not delay it: by the end of that time the errors are
+    /// those of an undisturbed alignment, and [`ALIGNED_M2PS2`] judges the tie.
     #[must_use]
+    #[inline(never)]
     pub fn is_aligned(&self) -> bool {
         match self.phase {
             Phase::Captive => {
                 !self.is_unconfirmed
                     && !self.stands_still()
-                    && self.levelling.elapsed_s() >= self.config.minimum_s
-                    && self.anchor.elapsed_s() >= self.config.minimum_s
+                    && self.anchor_before_s + self.anchor.elapsed_s() >= self.config.minimum_s
+                    && self.is_level()
+                    && self.anchor.elapsed_s() >= 0.5 * self.config.minimum_s
                     && (self.tie.climb_m2ps2() <= ALIGNED_M2PS2 || !Guard::TieKnowsGaps.stands())
             }
             Phase::Free { aligned, .. } => {

@@ -70,6 +70,8 @@ impl VerticalChannel {
             let has_lasted = seconds_between(since_us, time_us) > outweighs_s;
             if count >= OUTLIERS && has_lasted {
                 // The reference or the channel has moved: in either case the old tie is invalid.
+                // The time since the first fix was spent aligning.
+                self.anchor_before_s += self.anchor.elapsed_s() + step_s;
                 self.anchor = Memory::default();
                 self.begin_tie(time_us, altitude_m);
             }
@@ -198,6 +200,7 @@ impl VerticalChannel {
         let is_known = self.anchor.elapsed_s() >= self.config.minimum_s;
         let tied = self.tie.retied();
         if !is_known {
+            self.anchor_before_s += self.anchor.elapsed_s();
             self.anchor = Memory::default();
             self.lacking_mps2 = Sum::default();
         }

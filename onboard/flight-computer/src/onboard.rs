@@ -47,8 +47,7 @@ impl Onboard {
     #[must_use]
     pub fn suspecting(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
         let kept = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
-        let interrupted = self.after_interruption();
-        Self { inertial: kept.or(interrupted.inertial), ..interrupted }
+        Self { inertial: kept.or(self.inertial), launch: self.launch.after_suspicion(), ..self }
     }
 
     /// After a restart that was, as far as is known, under the pylon.

@@ -24,6 +24,7 @@ fn seen(true_error_m: f32) -> Seen {
         true_error_m: [true_error_m; SENSORS],
         error_m: [None; SENSORS],
         average_m: [None; SENSORS],
+        fix_error_m: None,
     }
 }
 
@@ -132,6 +133,46 @@ fn an_integrated_altitude_that_stays_near_its_bound_is_owed_no_flag() {
     };
     assert_eq!(settled(9.0), []);
     assert_eq!(settled(11.0), [Invariant::Detection]);
+}
+
+/// A healthy sensor, 3.5 m off, is flagged in the faulty flight only. Its bound is 7 m.
+fn flagged_within_its_bound(fix_error_m: f32) -> Vec<Invariant> {
+    let mut clean = drifting(20_000, &(0..0));
+    for seen in clean.ticks.iter_mut().flatten() {
+        seen.fix_error_m = Some(fix_error_m);
+    }
+    let mut faulty = drifting(20_000, &(0..0));
+    faulty.flagged[Sensor::ImuSlave.index()] = Some(Flagged { tick: 15_000, true_error_m: 3.5 });
+    let verdict = judge(&case(None), &Flown { clean, faulty });
+    verdict.violations.iter().map(|violation| violation.invariant).collect()
+}
+
+/// The receiver without the fault shows the sensor 6 m off, or 5 m, or 1 m.
+#[test]
+fn a_flag_that_a_receiver_without_the_fault_would_raise_blames_nobody_wrongly() {
+    assert_eq!(flagged_within_its_bound(-2.5), []);
+    assert_eq!(flagged_within_its_bound(-1.5), [Invariant::Blame]);
+    assert_eq!(flagged_within_its_bound(2.5), [Invariant::Blame]);
+}
+
+/// A receiver that was 6.5 m off during the calibration leaves a bias that is as far off. A sensor that has
+/// drifted by 7 m since is flagged; one that has not drifted must not be.
+#[test]
+fn what_a_sensor_has_drifted_since_the_launch_is_its_own_error() {
+    let flagged = |at_launch_m: f32, true_error_m: f32| {
+        let mut faulty = drifting(20_000, &(0..0));
+        faulty.launched = Some(13_000);
+        for seen in faulty.ticks.iter_mut().flatten() {
+            seen.true_error_m = [at_launch_m; SENSORS];
+        }
+        faulty.flagged[Sensor::ImuSlave.index()] = Some(Flagged { tick: 15_000, true_error_m });
+        let mut case = case(None);
+        case.plan.captive_s = 60.0;
+        let verdict = judge(&case, &Flown { clean: drifting(20_000, &(0..0)), faulty });
+        verdict.violations.iter().map(|violation| violation.invariant).collect::<Vec<_>>()
+    };
+    assert_eq!(flagged(-6.5, 0.5), []);
+    assert_eq!(flagged(0.5, 0.5), [Invariant::Blame]);
 }
 
 /// Half of the default model's window.

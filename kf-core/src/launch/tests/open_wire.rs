@@ -244,6 +244,28 @@ fn a_release_soon_after_a_dip_of_the_supply_in_flight_is_seen() {
     }
 }
 
+/// A restart between the fall that raised a suspicion and the opening of the wire, or between two bounces: the
+/// suspicion is one with that of the opening. If nothing opens within the cable's slack, it was none.
+#[test]
+fn a_suspicion_outlasts_a_restart_by_the_cables_slack() {
+    let restarted = |closed_s: f32| {
+        let mut rig = Rig::new();
+        rig.detector = rig.detector.after_suspicion();
+        rig.run(closed_s, Now { load: Some(0.4), ..CAPTIVE });
+        rig
+    };
+    let since = |rig: &Rig| match rig.state() {
+        LaunchState::Suspected { since_us } => Some(since_us),
+        _ => None,
+    };
+    let mut rig = restarted(CONFIG.window_s - 0.01);
+    let first = since(&rig);
+    assert_eq!(first, Some(TICK_US));
+    rig.step(RELEASED);
+    assert_eq!(since(&rig), first);
+    assert_eq!(restarted(CONFIG.window_s + 0.01).state(), LaunchState::Captive);
+}
+
 /// In the first seconds only a departure can show a release, so the wire is broken as soon as the window has
 /// passed without one, before the next dip of the supply.
 #[test]

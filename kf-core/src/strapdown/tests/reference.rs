@@ -52,6 +52,34 @@ fn a_first_fix_that_is_wrong_is_outweighed_by_the_next_five() {
     assert!(rig.channel.is_aligned() && errors(&rig)[0].abs() < 0.1, "{:?}", errors(&rig));
 }
 
+/// What disturbs the first half of the alignment does not delay its end: a receiver that is off until then, so
+/// that the tie begins again, or a turn. Later it does.
+#[test]
+fn a_disturbed_first_half_does_not_delay_the_alignment() {
+    let aligned_s = |wrong_ticks: std::ops::Range<u64>, turning: std::ops::Range<u64>| {
+        let mut rig = Rig::new();
+        while !rig.channel.is_aligned() {
+            let turn = if turning.contains(&(rig.tick + 1)) { 0.1 } else { 0.0 };
+            rig.step(&sample([0.0, 0.0, -G], [0.0, 0.0, turn]));
+            if rig.tick.is_multiple_of(40) {
+                let altitude_m = if wrong_ticks.contains(&rig.tick) { 1_100.0 } else { 1_000.0 };
+                let _ = rig.channel.reference(rig.time_us(), altitude_m);
+                let _ = rig.channel.velocity(rig.time_us(), [40.0, 0.0]);
+            }
+        }
+        rig.time_s()
+    };
+    let undisturbed_s = aligned_s(0..0, 0..0);
+    assert!((undisturbed_s - f64::from(Config::MEMS.minimum_s)).abs() < 0.3, "{undisturbed_s}");
+    // By a fix's interval at most.
+    for disturbed_s in [aligned_s(0..300, 0..0), aligned_s(0..0, 300..800)] {
+        assert!((disturbed_s - undisturbed_s).abs() < 0.25, "{disturbed_s}");
+    }
+    // The tie begins again at 13 s, and has half of the least time to go.
+    let late_s = aligned_s(1_300..2_600, 0..0);
+    assert!(late_s > undisturbed_s + 2.0, "{late_s}");
+}
+
 /// The same for the first few, which may have one common error: they are outweighed once others have
 /// contradicted them for longer than they lasted.
 #[test]
