@@ -397,7 +397,8 @@ impl FreeFlight {
     }
 
     /// Whether the reference may have caused an error, so that it does not count against the sensor. An error
-    /// within the alarm limit settles a dispute about the reference.
+    /// within the alarm limit settles a dispute about the reference. Inlined, it would be in the image once for
+    /// each sensor.
     #[inline(never)]
     fn may_be_the_references(&mut self, place: usize, time_us: u64, error_m: f32) -> bool {
         let Some(own) = self.watches.get(place) else { return false };
@@ -415,7 +416,7 @@ impl FreeFlight {
     }
 
     /// Whether an error beyond the alarm limit is excused by the reference's alternative altitude, or by the
-    /// other sensor's error. Not inlined: it would be in the image once for each sensor.
+    /// other sensor's error.
     #[inline]
     fn is_excused(&mut self, place: usize, time_us: u64, error_m: f32) -> bool {
         let (own, other) = match (&self.watches, place) {

@@ -17,7 +17,8 @@
 //!   wrong by that much, and a refused fix may be right and the altitude carried forward wrong. An error
 //!   counts only if the sensor is beyond its alarm limit by both altitudes, or if the other sensor,
 //!   calibrated before the two disagreed, is within its own limit by the reference and beyond it by the
-//!   alternative altitude.
+//!   alternative altitude. Once both sensors have supported the alternative altitude, neither is such a
+//!   witness: one that comes to support the reference later has moved.
 //! - A receiver that contradicted itself until it was lost, or by hundreds of metres, is the reference only
 //!   because there is no better one: it is disputed. Until a sensor is within its alarm limit by it, an error
 //!   is not judged if there is no other sensor to compare with.
