@@ -103,8 +103,8 @@ pub struct Config {
     pub level_window_s: f32,
     /// Window of the tie to the reference, seconds.
     pub anchor_window_s: f32,
-    /// Least time of alignment before the channel gives an altitude, seconds. Half of it must be covered by
-    /// fixes, and it by the level on specific force alone, unless a match with velocities has lasted.
+    /// Least time of alignment before the channel gives an altitude, seconds. The present tie must cover half
+    /// of it. The level on specific force must cover all of it, unless a match with velocities has lasted.
     pub minimum_s: f32,
     /// Longest time between two inertial samples that is bridged by a straight line, seconds.
     pub longest_gap_s: f32,
@@ -554,7 +554,7 @@ impl VerticalChannel {
 
     /// Whether level, altitude and climb rate are known. What disturbs the first half of the minimum time,
     /// untrimmed flight or a receiver that jumps, does not delay it: by the end of that time the errors are
-    /// those of an undisturbed alignment, and [`ALIGNED_M2PS2`] judges the tie.
+    /// those of an undisturbed alignment. The variance of the climb rate judges the tie.
     #[must_use]
     #[inline(never)]
     pub fn is_aligned(&self) -> bool {
