@@ -307,8 +307,8 @@ impl ReferenceCheck {
 mod tests {
     use super::*;
 
-    /// A departure within the wander has no alternative altitude. Beyond it the alternative is nearly the
-    /// whole departure: the wander explains 4 m of it, or less, never more than a quarter of 8 m.
+    /// A departure within the wander has no alternative altitude. Of a larger one the wander explains its own
+    /// square over the departure: 2 m of 8 m, 0.4 m of 40 m.
     #[test]
     fn a_large_departure_is_hardly_the_wanders() {
         let mut check = ReferenceCheck {

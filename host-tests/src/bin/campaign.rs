@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::Context as _;
 use clap::Parser;
 use host_tests::campaign::fly;
-use host_tests::campaign::judge::{Verdict, Violation, judge};
+use host_tests::campaign::judge::{Verdict, Violation, judge, shown_m};
 use host_tests::campaign::known::Known;
 use host_tests::campaign::matrix::Matrix;
 use host_tests::campaign::mutants::{Outcome, without};
@@ -213,6 +213,12 @@ fn detail(seed: u64, index: u64, trace_file: Option<&Path>) -> anyhow::Result<bo
         println!("{name}: restarts {:#?}", flight.restarts);
         let latch = flight.latch.as_ref().map(|latch| (latch.time_us, latch.failed_checks, latch.sensors));
         println!("{name}: latch {latch:#?}");
+    }
+    for (sensor, flagged) in Sensor::ALL.into_iter().zip(flown.faulty.flagged) {
+        if let Some(flagged) = flagged {
+            let shown_m = shown_m(&flown.clean, &flagged);
+            println!("faulty: {} flagged; the clean flight's receiver shows {shown_m:.2} m", sensor.name());
+        }
     }
     println!("{verdict:#?}");
     Ok(verdict.violations.is_empty())

@@ -11,7 +11,7 @@ use survival::Start;
 use super::fault::{Drawn, Phase, Place};
 use super::flight::TICKS_PER_S;
 use super::run::{Case, Flown, PUSH_TICKS};
-use super::watch::{REFERENCE, REPORTING_TICKS, Restarted, Seen, Watched};
+use super::watch::{Flagged, REFERENCE, REPORTING_TICKS, Restarted, Seen, Watched};
 
 /// Largest allowed distance of a latched bias from the clean run's, in multiples of its own sigma.
 const BIAS_SIGMAS: f32 = 4.0;
@@ -40,8 +40,7 @@ const RIGHTLY: f32 = 0.6;
 /// So it is if a receiver without the fault shows the sensor beyond this share of the bound: what the fault
 /// did to the sensor and the receiver's usual wander add up to that, and the wander is no fault. Less than 1,
 /// because the judge's average lags the monitor's by a second, in which an integrated altitude may drift by a
-/// metre. Of twenty such flags of unseen seeds, those that the wander completed were at 0.86 and more, those
-/// of a receiver's fault at 0.56 and less (docs/fault-campaign.md).
+/// metre. docs/fault-campaign.md has the shares of twenty flags.
 const SHOWN: f32 = 0.8;
 /// Flagging an altitude that the flight computer integrates is owed once its true error is beyond this
 /// multiple of the bound. Its own drift may cancel a push, and the same error of the reference may hide what
@@ -201,6 +200,12 @@ struct Judge<'a> {
 
 fn seconds(ticks: usize) -> f32 {
     ticks as f32 * 0.005
+}
+
+/// Error of a flagged sensor as the receiver of the clean flight would show it, metres.
+#[must_use]
+pub fn shown_m(clean: &Watched, flagged: &Flagged) -> f32 {
+    flagged.true_error_m - clean.fix_error_m(flagged.tick)
 }
 
 /// The sensor whose own measurement a fault spoils.
@@ -393,6 +398,14 @@ impl Judge<'_> {
         self.faulty.latch.as_ref().map_or(f32::INFINITY, |latch| latch.sensors[sensor.index()].bound_m())
     }
 
+    /// The clean run's alarm limit, metres; infinite if the sensor is not monitored there. A fault may widen
+    /// the limit, or take it away; what is right does not depend on that.
+    fn clean_bound_m(&self, sensor: Sensor) -> f32 {
+        let latch = self.clean.latch.as_ref();
+        let bound_m = latch.map(|latch| latch.sensors[sensor.index()].bound_m());
+        bound_m.filter(|bound_m| *bound_m > 0.0).unwrap_or(f32::INFINITY)
+    }
+
     /// Whether a sensor was called untrustworthy without being wrong.
     fn wrongly(&self, sensor: Sensor) -> Option<usize> {
         let flagged = self.faulty.flagged[sensor.index()]?;
@@ -403,12 +416,14 @@ impl Judge<'_> {
         if fails.is_some_and(|failure| flagged.tick >= failure.tick) {
             return None;
         }
-        // The fault may have widened the limit; what is right does not depend on that.
-        let clean = self.clean.latch.as_ref().map(|latch| latch.sensors[sensor.index()].bound_m());
-        let bound_m = clean.filter(|bound_m| *bound_m > 0.0).unwrap_or(f32::MAX).min(self.bound_m(sensor));
-        let shown_m = flagged.true_error_m - self.clean.fix_error_m(flagged.tick);
+        let bound_m = self.clean_bound_m(sensor).min(self.bound_m(sensor));
+        let shown_m = shown_m(self.clean, &flagged);
+        // A fault of the sensor's own may be over: what it was off by at the launch shows no bias.
+        let has_unit = self.case.plan.own_unit.is_some();
+        let is_spoilt = self.case.faults.iter().any(|fault| is_own(fault, sensor, has_unit));
         let launched = self.faulty.launched.and_then(|tick| self.faulty.ticks.get(tick).copied().flatten());
-        let calibrated_m = launched.map_or(0.0, |seen| seen.true_error_m[sensor.index()]);
+        let calibrated_m =
+            launched.filter(|_| !is_spoilt).map_or(0.0, |seen| seen.true_error_m[sensor.index()]);
         let is_right = flagged.true_error_m.abs() >= RIGHTLY * bound_m
             || (flagged.true_error_m - calibrated_m).abs() >= RIGHTLY * bound_m
             || shown_m.abs() >= SHOWN * bound_m;
@@ -616,10 +631,10 @@ impl Judge<'_> {
         }
     }
 
-    /// Number of ticks from one on at which a sensor that reads right is not monitored. One that is wrong and
-    /// not yet flagged is not missed.
+    /// Number of ticks from a given one on at which a sensor that reads correctly is not monitored. One that is
+    /// wrong and not yet flagged is not missed.
     fn in_vain(&self, watched: &Watched, sensor: Sensor, from: usize) -> usize {
-        let limit_m = RIGHTLY * self.bound_m(sensor);
+        let limit_m = RIGHTLY * self.clean_bound_m(sensor);
         let seen = watched.ticks.iter().skip(from).flatten();
         let is_in_vain = |seen: &&Seen| {
             seen.trust[sensor.index()] == Trust::Unmonitored

@@ -7,7 +7,6 @@ use survival::{Cause, RestartReport};
 
 use super::super::plan::Plan;
 use super::super::run::{Failure, FailureKind};
-use super::super::watch::Flagged;
 use super::*;
 
 /// A flight of two hundred seconds without a fault, in which a sensor fails.
@@ -173,6 +172,42 @@ fn what_a_sensor_has_drifted_since_the_launch_is_its_own_error() {
     };
     assert_eq!(flagged(-6.5, 0.5), []);
     assert_eq!(flagged(0.5, 0.5), [Invariant::Blame]);
+}
+
+/// A transient of the receiver leaves a sensor unmonitored from the launch on, with an alarm limit or without:
+/// that is a loss, unless the sensor is wrong anyway.
+#[test]
+fn a_sensor_that_a_transient_leaves_unmonitored_is_lost() {
+    let left = |bound_m2: f32, true_error_m: f32| {
+        let mut clean = drifting(20_000, &(0..0));
+        let mut faulty = drifting(20_000, &(0..0));
+        faulty.latch = Some(latched(bound_m2));
+        (clean.launched, faulty.launched) = (Some(12_000), Some(12_000));
+        for seen in faulty.ticks.iter_mut().skip(12_000).flatten() {
+            seen.trust = [Trust::Unmonitored; SENSORS];
+            seen.true_error_m = [true_error_m; SENSORS];
+        }
+        let mut case = case(None);
+        case.plan.captive_s = 60.0;
+        case.faults.push(Drawn {
+            name: "gps: altitude jumps",
+            place: Place::Gps,
+            phase: Phase::Calibrating,
+            from: 8_000,
+            to: 8_100,
+            events: Vec::new(),
+            dips: Vec::new(),
+            step_us: 0,
+        });
+        let mut verdict = judge(&case, &Flown { clean, faulty });
+        // The bound is another matter.
+        verdict.violations.retain(|violation| violation.invariant != Invariant::Bound);
+        verdict.violations.iter().map(|violation| violation.invariant).collect::<Vec<_>>()
+    };
+    for bound_m2 in [49.0, 0.0, 100.0] {
+        assert_eq!(left(bound_m2, 0.5), [Invariant::Permanent, Invariant::Permanent], "{bound_m2}");
+        assert_eq!(left(bound_m2, 5.0), [], "{bound_m2}");
+    }
 }
 
 /// Half of the default model's window.
