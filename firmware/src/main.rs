@@ -33,7 +33,7 @@ use kf_core::estimator::ConfigError;
 use kf_core::launch::LaunchConfig;
 use kf_core::navigation::KeptInertial;
 use kf_core::strapdown;
-use survival::{MarkWriter, PAYLOAD_BYTES, RestartReport, Supervised, Supervisor};
+use survival::{MarkWriter, PAYLOAD_BYTES, RestartReport, Supervised, Supervisor, keep_captive_force};
 use telemetry::ComputerStatus;
 
 use board::{Board, CostClock, Feeder, Line, Next, Sensors, Sink, Source, Storage, Watchdog};
@@ -107,9 +107,14 @@ fn board_computer(
     mission: &'static mut FlownMission,
     report: Option<&RestartReport>,
     inertial: Option<&KeptInertial>,
+    memory: &RetainedWords,
 ) -> Result<&'static mut Computer, ConfigError> {
-    let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS)?.after(report, inertial);
-    Ok(place.write(FlightComputer::on_board(Mutated(sensors), Flown(mission), onboard)))
+    let onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS)?;
+    let computer = place.write(FlightComputer::on_board(Mutated(sensors), Flown(mission), onboard));
+    if let Some(onboard) = &mut computer.onboard {
+        onboard.resume(report, inertial, memory);
+    }
+    Ok(computer)
 }
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
@@ -209,7 +214,8 @@ mod app {
         let made = if is_recording {
             Ok(recorded_computer(cx.local.computer_place, sensors, mission))
         } else {
-            board_computer(cx.local.computer_place, sensors, mission, report.as_ref(), inertial.as_ref())
+            let (report, inertial) = (report.as_ref(), inertial.as_ref());
+            board_computer(cx.local.computer_place, sensors, mission, report, inertial, &snapshots_memory)
         };
         let computer = match made {
             Ok(computer) => computer,
@@ -405,6 +411,9 @@ mod app {
                     sink.write(&latch);
                 }
             }
+        }
+        if let Some(force) = computer.lock(|computer| keeper.captive_force_due(computer.onboard.as_ref())) {
+            keep_captive_force(snapshots_memory, force);
         }
         let due = computer
             .lock(|computer| keeper.make_due(computer.mission.0, computer.onboard.as_ref(), snapshot_due));

@@ -217,3 +217,28 @@ fn a_restart_between_the_fall_and_the_opening_keeps_the_calibration() {
     assert_eq!(violations(7060, 1193), [""; 0]);
     assert_eq!(violations(7036, 2373), [""; 0]);
 }
+
+/// The cable tears, and the supply dips once it is known that the force has not departed; in the second run
+/// five times.
+#[test]
+fn a_torn_cable_is_no_launch_when_the_supply_dips_after_it() {
+    assert_eq!(violations(7065, 519), [""; 0]);
+    assert_eq!(violations(7022, 220), [""; 0]);
+}
+
+/// A unit is shaken, before or after the launch, and its last wild sample is just no leap: the calm ones after
+/// it are none either.
+#[test]
+fn a_shaken_unit_is_silent_no_longer_than_it_is_shaken() {
+    for (seed, index) in [(7015, 1668), (7056, 1008), (7064, 337), (7064, 2388)] {
+        assert_eq!(violations(seed, index), [""; 0], "{seed}: {index}");
+    }
+}
+
+/// A receiver's velocity is wrong, or a force, while the level is being found by velocities.
+#[test]
+fn what_disturbs_a_match_with_velocities_does_not_begin_the_level_anew() {
+    for (seed, index) in [(7061, 1958), (7063, 719)] {
+        assert_eq!(violations(seed, index), [""; 0], "{seed}: {index}");
+    }
+}

@@ -114,18 +114,19 @@ impl InertialAltitude {
         }
     }
 
-    /// Restores the stored state. `unknown_s`: how much longer than the clock shows the interruption may have
-    /// been, seconds. `None` if the stored channel is invalid.
+    /// Continues from the stored state, before the first tick. `unknown_s`: how much longer than the clock
+    /// shows the interruption may have been, seconds. False, and nothing changes, if the stored channel is
+    /// invalid.
     #[must_use]
-    pub fn resumed(config: Config, kept: &KeptInertial, unknown_s: f32) -> Option<Self> {
-        Some(Self {
-            channel: VerticalChannel::resumed(config, &kept.channel, unknown_s)?,
-            source: AltitudeSource::Channel,
-            delivered_us: kept.delivered_us,
-            is_launched: kept.is_launched,
-            is_off: true,
-            ..Self::new(config)
-        })
+    pub fn resume(&mut self, kept: &KeptInertial, unknown_s: f32) -> bool {
+        if !self.channel.resume(&kept.channel, unknown_s) {
+            return false;
+        }
+        self.source = AltitudeSource::Channel;
+        self.delivered_us = kept.delivered_us;
+        self.is_launched = kept.is_launched;
+        self.is_off = true;
+        true
     }
 
     /// Source of the altitude.

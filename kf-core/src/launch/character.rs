@@ -34,7 +34,7 @@ const NEW_REGIME: u8 = 3;
 const LIVING_US: u64 = 600_000;
 
 /// Three means and the roughness (mean square of the step from sample to sample, all axes).
-type Figures = [f32; 4];
+pub(super) type Figures = [f32; 4];
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Character {
@@ -80,6 +80,23 @@ impl Character {
             self.end_block(now_us, is_captive);
             self.begin(now_us);
         }
+    }
+
+    /// What captive flight is like: means and variances.
+    pub(super) const fn captive(&self) -> (Figures, Figures) {
+        (self.mean, self.variance)
+    }
+
+    /// Continues after a restart with the captive flight from before it.
+    pub(super) const fn resume(&mut self, mean: Figures, variance: Figures) {
+        self.mean = mean;
+        self.variance = variance;
+        self.blocks = LEAST_BLOCKS;
+    }
+
+    /// At a start: a unit that has lived before counts as living until a block and a lost one have passed.
+    pub(super) const fn assume_living(&mut self, now_us: u64) {
+        self.living_us = Some(now_us);
     }
 
     fn begin(&mut self, now_us: u64) {

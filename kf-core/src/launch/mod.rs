@@ -52,8 +52,11 @@
 //! A wire that reads closed for less than a second is not yet closed again: if it reopens, a departure about
 //! its first opening still counts.
 //!
-//! A start that continues a suspicion ([`LaunchDetector::after_suspicion`]) is not captive before the window
-//! has passed.
+//! A start that continues a suspicion ([`LaunchDetector::resume_suspected`]) is not captive before the window
+//! has passed. If the wire had been open for the window, and the force had not departed, the start knows so,
+//! and what the force was like under the pylon ([`LaunchDetector::captive_force`]). The wire then counts as
+//! opened at the first tick without a departure, and the force as known. Otherwise the force is not known,
+//! and a release is the likelier explanation: it may cause a dip of the supply, and a torn cable seldom does.
 //!
 //! A wire is unreadable after [`LaunchConfig::undecided_s`] without a reading. A broken wire that reads
 //! closed for the debounce time is whole again. A wire that opens five times, each within a second of the
@@ -63,10 +66,10 @@
 //!
 //! In the first ten seconds there is no captive flight to compare with, and no calibration that a launch
 //! would latch. A wire that opens then without a change is broken: otherwise a cable torn at power-on would
-//! be a launch. There are two exceptions. After an interruption ([`LaunchDetector::after_interruption`]) the
+//! be a launch. There are two exceptions. After an interruption ([`LaunchDetector::resume_captive`]) the
 //! vehicle may have been released meanwhile, unless the wire was broken before
-//! ([`LaunchDetector::with_broken_wire`]). A start that finds the traces of a mission
-//! ([`LaunchDetector::after_traces`]) and moves over ground at 10 m/s was a dip of the supply in flight, and
+//! ([`LaunchDetector::call_wire_broken`]). A start that finds the traces of a mission
+//! ([`LaunchDetector::note_traces`]) and moves over ground at 10 m/s was a dip of the supply in flight, and
 //! the release may be a second away.
 //!
 //! In the first five seconds there is no captive mean: the force departs from one g, and nothing else can
@@ -117,6 +120,7 @@
 //! - Near free fall (below [`LaunchConfig::fall_load`] g) for 2 s takes 14 m/s off the climb rate: no carrier
 //!   pushes over so with a vehicle under it.
 
+mod captive_force;
 mod character;
 mod climb;
 mod clock;
@@ -130,6 +134,7 @@ mod tests;
 mod wire;
 mod without_wire;
 
+pub use captive_force::{CAPTIVE_FORCE_WORDS, CaptiveForce};
 pub use config::LaunchConfig;
 pub use state::{Confirmation, Launch, LaunchCounts, LaunchState, WireCondition};
 
@@ -174,6 +179,9 @@ pub struct LaunchDetector {
     was_interrupted: bool,
     /// The start continued a suspicion.
     continues_suspicion: bool,
+    /// The opening of the wire about which the force has not departed: when it was, microseconds. If it was
+    /// before the start, it counts as having opened at the first tick.
+    unmoved_us: Option<u64>,
     /// The force has departed about this opening of the wire. What it does later does not undo that.
     has_departed: bool,
     clock: Clock,
@@ -235,6 +243,7 @@ impl LaunchDetector {
             had_mission: false,
             was_interrupted: false,
             continues_suspicion: false,
+            unmoved_us: None,
             clock: Clock::default(),
             wire: Wire::default(),
             force: Force::default(),
@@ -250,30 +259,30 @@ impl LaunchDetector {
     }
 
     /// After a restart that has interrupted a flight: an open wire may have opened meanwhile.
-    #[must_use]
-    pub const fn after_interruption(self) -> Self {
-        Self { was_interrupted: true, ..self }
+    pub const fn resume_captive(&mut self) {
+        self.was_interrupted = true;
     }
 
-    /// As [`Self::after_interruption`], while a launch was suspected. The suspicion lasts for at least the
+    /// As [`Self::resume_captive`], while a launch was suspected. The suspicion lasts for at least the
     /// cable's slack: what raised it, a fall or a contact that bounces, may show itself again only then.
-    #[must_use]
-    pub const fn after_suspicion(self) -> Self {
-        Self { was_interrupted: true, continues_suspicion: true, ..self }
+    /// `before`: the last [`Self::captive_force`], if there was one.
+    pub const fn resume_suspected(&mut self, before: Option<CaptiveForce>) {
+        self.was_interrupted = true;
+        self.continues_suspicion = true;
+        if let Some(before) = before {
+            self.resume_unmoved(before);
+        }
     }
 
     /// After a start that was a cold one, because the wire is closed, but has found the traces of a mission:
     /// yesterday's, or one whose supply has dipped. Moving over ground tells which.
-    #[must_use]
-    pub const fn after_traces(self) -> Self {
-        Self { had_mission: true, ..self }
+    pub const fn note_traces(&mut self) {
+        self.had_mission = true;
     }
 
     /// After a restart before which the wire was found broken. It becomes whole again like any broken wire.
-    #[must_use]
-    pub fn with_broken_wire(mut self) -> Self {
+    pub fn call_wire_broken(&mut self) {
         self.wire.call_broken();
-        self
     }
 
     /// The verdict after the last tick.
@@ -304,6 +313,10 @@ impl LaunchDetector {
             *since_us = since_us.saturating_add_signed(*leap_us);
         }
         let now_us = input.time_us;
+        if let (None, Some(unmoved_us)) = (self.first_us, &mut self.unmoved_us) {
+            *unmoved_us = now_us;
+            self.character.assume_living(now_us);
+        }
         let first_us = *self.first_us.get_or_insert(now_us);
         // No speed of an aircraft overflows when squared; NaN is not fast.
         let is_under_way = input.ground_speed_squared_m2ps2.is_some_and(|squared| squared >= UNDER_WAY_M2PS2);

@@ -55,7 +55,12 @@ impl LaunchDetector {
             .force
             .departed_us()
             .is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= microseconds(self.config.window_s));
-        self.has_departed |= departs_about;
+        if self.unmoved_us != Some(edge_us) {
+            self.has_departed |= departs_about;
+            let has_shown = Self::has_lasted(edge_us, now_us, self.config.window_s);
+            let is_unmoved = has_shown && !self.has_departed && self.character.is_known(now_us);
+            self.unmoved_us = is_unmoved.then_some(edge_us);
+        }
         let is_over = Self::has_lasted(edge_us, now_us, self.config.undecided_s);
         let messages = self.messages_since(edge_us, now_us);
         if messages == Messages::FellSilent && !Guard::ListenUntilDecided.stands() {

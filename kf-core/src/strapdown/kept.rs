@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::sum::Sum;
 use super::tie::Tie;
 use super::vector::{Down, Vector};
-use super::{Config, Last, Phase, VerticalChannel};
+use super::{Last, Phase, VerticalChannel};
 
 /// A channel in free flight, or held for a suspected launch: everything that its next sample needs. Body
 /// axes, SI units.
@@ -63,34 +63,34 @@ impl VerticalChannel {
         })
     }
 
-    /// Restores a stored channel. `unknown_s`: how much longer than the clock shows the gap until the next
-    /// sample may be, seconds. `None` if a number is not finite.
+    /// Continues from a stored channel, before the first sample. `unknown_s`: how much longer than the clock
+    /// shows the gap until the next sample may be, seconds. False, and nothing changes, if a number is not
+    /// finite.
     #[must_use]
-    pub fn resumed(config: Config, kept: &KeptChannel, unknown_s: f32) -> Option<Self> {
+    pub fn resume(&mut self, kept: &KeptChannel, unknown_s: f32) -> bool {
         if !kept.is_finite() {
-            return None;
+            return false;
         }
-        let mut channel = Self::new(config);
-        channel.phase = Phase::Free { accel_bias: kept.accel_bias, aligned: true };
-        channel.down = Some(Down::from_unit(kept.down));
-        channel.levelling.gyro_bias = kept.gyro_bias.map(Sum::new);
-        channel.last = Some(Last {
+        self.phase = Phase::Free { accel_bias: kept.accel_bias, aligned: true };
+        self.down = Some(Down::from_unit(kept.down));
+        self.levelling.gyro_bias = kept.gyro_bias.map(Sum::new);
+        self.last = Some(Last {
             time_us: kept.time_us,
             force: kept.force,
             rate: kept.rate,
             acceleration_mps2: kept.acceleration_mps2,
         });
-        channel.altitude = kept.altitude;
-        channel.climb_rate = kept.climb_rate;
-        channel.tie = kept.tie;
-        channel.tie_time_us = kept.tie_time_us;
-        channel.bridged_m2ps2 = kept.bridged_m2ps2;
-        channel.is_mending = kept.is_mending;
+        self.altitude = kept.altitude;
+        self.climb_rate = kept.climb_rate;
+        self.tie = kept.tie;
+        self.tie_time_us = kept.tie_time_us;
+        self.bridged_m2ps2 = kept.bridged_m2ps2;
+        self.is_mending = kept.is_mending;
         // If the next sample leaves no gap, nothing else requests a climb rate before an altitude ends the
         // mending.
-        channel.climb_fix_us = kept.is_mending.then_some(kept.tie_time_us);
-        channel.is_resumed = true;
-        channel.unknown_s = unknown_s;
-        Some(channel)
+        self.climb_fix_us = kept.is_mending.then_some(kept.tie_time_us);
+        self.is_resumed = true;
+        self.unknown_s = unknown_s;
+        true
     }
 }

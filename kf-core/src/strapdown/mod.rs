@@ -29,7 +29,7 @@
 //!
 //! A gap between inertial samples of up to [`Config::longest_gap_s`] is bridged by a straight line, counted,
 //! added to the uncertainty, and mended if it has cost too much (`bridge`). After a longer gap there is no
-//! altitude any more. A restart of the flight computer is also a gap ([`VerticalChannel::resumed`]).
+//! altitude any more. A restart of the flight computer is also a gap ([`VerticalChannel::resume`]).
 //!
 //! # Method
 //! Attitude: the vertical row of the direction cosine matrix, turned by the rotation vector of each interval
@@ -53,7 +53,7 @@ use crate::guard::Guard;
 use crate::input::ImuSample;
 use crate::time::seconds_between;
 use bridge::{BridgeCost, MENDED_BY_CLIMB_M2PS2, UNKNOWN_ALTITUDE_M2, UNKNOWN_CLIMB_M2PS2};
-use leap::{LONGEST_BRIDGED, is_leap};
+use leap::Step;
 use levelling::Levelling;
 use memory::Memory;
 use sum::Sum;
@@ -220,7 +220,7 @@ pub struct VerticalChannel {
     drifted_m2: f32,
     /// How much longer the next gap may be than the clock shows, seconds.
     unknown_s: f32,
-    /// Made by [`Self::resumed`]: of the levelling only the result is known.
+    /// By [`Self::resume`]: of the levelling only the result is known.
     is_resumed: bool,
     /// Samples refused in a row because they leapt.
     spikes: u8,
@@ -400,18 +400,16 @@ impl VerticalChannel {
         self.has_noise && self.repeated_s > self.config.longest_gap_s
     }
 
-    /// Velocities have contradicted the level. If the match had agreed with them for some time, something
-    /// brief moved it: wrong samples, or wrong fixes. The level is then off by some hundredths of a radian,
-    /// from which a match can start, so the next fix starts another one. If velocities contradict it at once,
-    /// the match has turned their errors into a gyro bias, and the level is unknown.
+    /// Velocities have contradicted the level. If the match had agreed with them before, something brief
+    /// moved it: wrong samples, or wrong fixes. The level is then off by no more than a match can start from,
+    /// so the next fix starts another one. If velocities contradict it at once, or twice before a match has
+    /// lasted, the match has turned their errors into a gyro bias, and the level is unknown.
     #[cold]
-    fn contradict(&mut self, has_lasted: bool) {
-        if has_lasted {
-            self.contradictions = 0;
+    fn contradict(&mut self, is_brief: bool) {
+        if is_brief {
             // The lacking acceleration is not known any better than that.
             self.tie.add(0.0, 0.0, DISTURBED_M2PS4);
         } else {
-            self.contradictions = (self.contradictions + 1).min(CONTRADICTIONS);
             self.levelling = Levelling::default();
         }
     }
@@ -464,19 +462,19 @@ impl VerticalChannel {
         if is_captive && !repeats && self.repeated_s > longest_gap_s && (self.has_noise || is_doubted()) {
             return Err(StrapdownError::Gap);
         }
-        if Guard::PlausibleReading.stands()
-            && is_leap(
-                [force, gyro_radps],
-                [last.force, last.rate],
-                is_captive || self.is_captive_leap,
-                self.spikes,
-            )
-        {
+        let step = leap::follow(
+            [force, gyro_radps],
+            [last.force, last.rate],
+            scaled(down.get(), -GRAVITY_MPS2),
+            is_captive || self.is_captive_leap,
+            self.spikes,
+        );
+        if Guard::PlausibleReading.stands() && step == Step::Leap {
             return Err(StrapdownError::Spike);
         }
         let bias = self.levelling.gyro_bias_radps();
-        // A rate that a second of samples has contradicted must not be used for bridging.
-        let last_rate = if self.spikes < LONGEST_BRIDGED { last.rate } else { gyro_radps };
+        // A wrong sample must not be used for bridging.
+        let last_rate = if step == Step::Back { gyro_radps } else { last.rate };
         let (before, after) = (difference(last_rate, bias), difference(gyro_radps, bias));
         // The body turns by this angle, so down turns against it.
         let coning = cross(before, after);
@@ -488,10 +486,12 @@ impl VerticalChannel {
         down.rotate(angle);
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
             if let Some(matching) = self.matching.take_if(|matching| matching.is_contradicted()) {
-                let has_lasted = matching.has_lasted();
+                let is_brief = matching.has_lasted() || matching.has_agreed() && self.contradictions == 0;
                 self.has_noise |= self.repeated_s > longest_gap_s;
-                self.contradict(has_lasted);
-                if !has_lasted {
+                self.contradictions =
+                    if matching.has_lasted() { 0 } else { (self.contradictions + 1).min(CONTRADICTIONS) };
+                self.contradict(is_brief);
+                if !is_brief {
                     // A fit that begins with a level far off would turn the error into a gyro bias.
                     down = Down::from_specific_force(force, GRAVITY_MPS2).unwrap_or(down);
                 }
@@ -518,7 +518,7 @@ impl VerticalChannel {
             Phase::Captive | Phase::Lost => self.lacking_mps2.value(),
         };
         let acceleration = lacking - dot(vertical, force) - GRAVITY_MPS2;
-        let previous = last.acceleration_mps2;
+        let previous = if step == Step::Back { acceleration } else { last.acceleration_mps2 };
         let climb_rate = self.climb_rate.value();
         self.altitude.add(step_s * (climb_rate + step_s / 6.0 * (2.0 * previous + acceleration)));
         self.climb_rate.add(0.5 * step_s * (previous + acceleration));

@@ -237,6 +237,11 @@ impl VelocityMatch {
         self.refusals >= REFUSALS
     }
 
+    /// Whether a velocity has agreed with it.
+    pub(super) const fn has_agreed(&self) -> bool {
+        self.agreed > 0
+    }
+
     /// Whether it has agreed with velocities for [`LASTING`] seconds.
     pub(super) const fn has_lasted(&self) -> bool {
         self.agreed >= LASTING

@@ -276,7 +276,8 @@ impl Before {
         assert!(input.imu_slave_altitude_m.is_none_or(f32::is_finite), "{input:?}");
         if let (true, Some(kept)) = (random.one_in(500), self.inertial.kept()) {
             let unknown_s = (random.bits() % 1_000) as f32 * 1e-3;
-            self.inertial = InertialAltitude::resumed(strapdown::Config::MEMS, &kept, unknown_s).unwrap();
+            self.inertial = InertialAltitude::new(strapdown::Config::MEMS);
+            assert!(self.inertial.resume(&kept, unknown_s));
         }
     }
 

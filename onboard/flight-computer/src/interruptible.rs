@@ -3,7 +3,7 @@
 use core::mem::MaybeUninit;
 
 use drivers::Sensors;
-use survival::{MarkWriter, PAYLOAD_BYTES, RestartReport, Start, WordMemory};
+use survival::{MarkWriter, PAYLOAD_BYTES, RestartReport, Start, WordMemory, keep_captive_force};
 
 use crate::computer::{FlightComputer, Step};
 use crate::estimation::Retainable;
@@ -50,7 +50,7 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
     pub fn start(
         sensors: Suite,
         mut mission: Mission,
-        onboard: Option<Onboard>,
+        mut onboard: Option<Onboard>,
         memory: &mut impl WordMemory,
         model: u64,
         facts: ResetFacts,
@@ -62,7 +62,9 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
         }
         let inertial = resume_mission(&mut mission, memory, model, &mut assessment, &mut buffer);
         let report = assessment.report;
-        let onboard = onboard.map(|onboard| onboard.after(report.as_ref(), inertial.as_ref()));
+        if let Some(onboard) = &mut onboard {
+            onboard.resume(report.as_ref(), inertial.as_ref(), memory);
+        }
         Ok(Self {
             computer: FlightComputer { sensors, mission, onboard },
             marks: MarkWriter::find(memory),
@@ -99,8 +101,12 @@ impl<Suite: Sensors, Mission: Retainable> Interruptible<Suite, Mission> {
         step
     }
 
-    /// Runs the task below the tick: keeps a snapshot, if one is due.
+    /// Runs the task below the tick: keeps what the force was like under the pylon, and a snapshot, if they
+    /// are due.
     pub fn keep_snapshot(&mut self, memory: &mut impl WordMemory) {
+        if let Some(force) = self.keeper.captive_force_due(self.computer.onboard.as_ref()) {
+            keep_captive_force(memory, force);
+        }
         let mut place = MaybeUninit::uninit();
         let due = self.keeper.make_due(&self.computer.mission, self.computer.onboard.as_ref(), &mut place);
         if let Some(due) = due {

@@ -3,7 +3,7 @@
 
 use kf_core::estimator::ConfigError;
 use kf_core::input::{LaunchDoubt, TickInput};
-use kf_core::launch::{LaunchConfig, LaunchDetector, LaunchInput};
+use kf_core::launch::{CaptiveForce, LaunchConfig, LaunchDetector, LaunchInput};
 use kf_core::navigation::{InertialAltitude, KeptInertial};
 use kf_core::strapdown;
 
@@ -11,7 +11,6 @@ use kf_core::strapdown;
 #[derive(Clone, Debug)]
 pub struct Onboard {
     launch: LaunchDetector,
-    strapdown: strapdown::Config,
     /// `None` if a restart has lost the alignment: in free flight there is nothing to align with.
     inertial: Option<InertialAltitude>,
     last_message_us: Option<u64>,
@@ -27,7 +26,6 @@ impl Onboard {
     pub fn new(launch: LaunchConfig, strapdown: strapdown::Config) -> Result<Self, ConfigError> {
         Ok(Self {
             launch: LaunchDetector::new(launch)?,
-            strapdown,
             inertial: Some(InertialAltitude::new(strapdown)),
             last_message_us: None,
             has_left: false,
@@ -37,35 +35,45 @@ impl Onboard {
     /// After a restart in free flight: the vehicle has left, whatever the wire and the force show. The
     /// inertial altitude continues from its kept state; without that it stops, and `imu_slave` has no
     /// readings.
-    #[must_use]
-    pub fn in_free_flight(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
-        let inertial = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
-        Self { inertial, has_left: true, ..self }
+    pub fn resume_in_free_flight(&mut self, kept: Option<&KeptInertial>, unknown_s: f32) {
+        self.has_left = true;
+        if !self.resume_inertial(kept, unknown_s) {
+            self.inertial = None;
+        }
     }
 
     /// After a restart while a launch is suspected: the calibration is held, and so is the inertial altitude.
-    #[must_use]
-    pub fn suspecting(self, kept: Option<&KeptInertial>, unknown_s: f32) -> Self {
-        let kept = kept.and_then(|kept| InertialAltitude::resumed(self.strapdown, kept, unknown_s));
-        Self { inertial: kept.or(self.inertial), launch: self.launch.after_suspicion(), ..self }
+    /// `force`: the last [`LaunchDetector::captive_force`], if there was one.
+    pub fn resume_suspected(
+        &mut self,
+        kept: Option<&KeptInertial>,
+        unknown_s: f32,
+        force: Option<CaptiveForce>,
+    ) {
+        self.launch.resume_suspected(force);
+        // Without a kept state the alignment begins again: the vehicle may still be captive.
+        let _ = self.resume_inertial(kept, unknown_s);
     }
 
-    /// After a restart that was, as far as is known, under the pylon.
-    #[must_use]
-    pub fn after_interruption(self) -> Self {
-        Self { launch: self.launch.after_interruption(), ..self }
+    #[inline(never)]
+    fn resume_inertial(&mut self, kept: Option<&KeptInertial>, unknown_s: f32) -> bool {
+        let (Some(inertial), Some(kept)) = (&mut self.inertial, kept) else { return false };
+        inertial.resume(kept, unknown_s)
     }
 
-    /// After a restart under the pylon with a wire known to be broken: an open wire then means nothing.
-    #[must_use]
-    pub fn with_broken_wire(self) -> Self {
-        Self { launch: self.launch.with_broken_wire(), ..self }
+    /// After a restart that was, as far as is known, under the pylon; `is_wire_broken`: an open wire was
+    /// known to be broken, and means nothing.
+    pub fn resume_captive(&mut self, is_wire_broken: bool) {
+        if is_wire_broken {
+            self.launch.call_wire_broken();
+        } else {
+            self.launch.resume_captive();
+        }
     }
 
     /// After a cold start that has found traces of a mission.
-    #[must_use]
-    pub fn after_traces(self) -> Self {
-        Self { launch: self.launch.after_traces(), ..self }
+    pub fn note_traces(&mut self) {
+        self.launch.note_traces();
     }
 
     /// State of the inertial altitude to keep for a restart.
@@ -171,7 +179,11 @@ mod tests {
     /// or a release during a reset.
     #[test]
     fn a_wire_that_is_open_at_the_start_is_a_launch_only_after_an_interruption() {
-        for (mut onboard, is_launch) in [(onboard(), false), (onboard().after_interruption(), true)] {
+        for is_launch in [false, true] {
+            let mut onboard = onboard();
+            if is_launch {
+                onboard.resume_captive(false);
+            }
             let mut launched = false;
             for tick in 0..1_000 {
                 let mut input = TickInput {
@@ -189,7 +201,8 @@ mod tests {
 
     #[test]
     fn after_a_restart_in_free_flight_there_is_no_altitude_and_it_has_left() {
-        let mut onboard = onboard().in_free_flight(None, 0.0);
+        let mut onboard = onboard();
+        onboard.resume_in_free_flight(None, 0.0);
         assert!(onboard.inertial().is_none());
         for tick in 0..10 {
             let mut input = input(tick, false);

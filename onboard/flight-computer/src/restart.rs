@@ -1,11 +1,13 @@
 //! How the flight computer starts: cold, or from where a reset interrupted it.
 
 use kf_core::guard::Guard;
+use kf_core::launch::CaptiveForce;
 use kf_core::navigation::KeptInertial;
 use kf_core::snapshot::SnapshotError;
 use survival::{
     Cause, Flight, Found, History, PAYLOAD_BYTES, Refusal, ResetSource, RestartReport, SlotOrder, Start,
-    WordMemory, clear_marks, clear_slots, history, keep_history, newest_mark, read_slot, take_crash,
+    WordMemory, captive_force, clear_marks, clear_slots, history, keep_history, newest_mark, read_slot,
+    take_crash,
 };
 
 use crate::estimation::Retainable;
@@ -105,7 +107,7 @@ pub fn assess_restart(
 
 /// If the report requires it, continues the mission from the newest copy that is a snapshot of it, and
 /// corrects the report if there is none. Returns the kept state of the inertial altitude, for
-/// [`Onboard::after`].
+/// [`Onboard::resume`].
 #[inline(never)]
 pub fn resume_mission(
     mission: &mut impl Retainable,
@@ -154,21 +156,28 @@ pub fn resume_mission(
 const LONGEST_DIP_S: f32 = 1.0;
 
 impl Onboard {
-    /// The state after a start, with the inertial altitude that [`resume_mission`] has found.
-    #[must_use]
+    /// Continues after a start, with the inertial altitude that [`resume_mission`] has found, and with what
+    /// [`survival::keep_captive_force`] has kept in `memory`.
     #[inline(never)]
-    pub fn after(self, report: Option<&RestartReport>, inertial: Option<&KeptInertial>) -> Self {
-        let Some(report) = report else { return self };
+    pub fn resume(
+        &mut self,
+        report: Option<&RestartReport>,
+        inertial: Option<&KeptInertial>,
+        memory: &impl WordMemory,
+    ) {
+        let Some(report) = report else { return };
         let unknown_s = if report.cause == Cause::Supply { LONGEST_DIP_S } else { 0.0 };
         match report.start {
-            Start::Resumed | Start::Lost => self.in_free_flight(inertial, unknown_s),
-            Start::Suspected => self.suspecting(inertial, unknown_s),
-            Start::Captive if report.mark.is_some_and(|mark| mark.flight == Flight::CaptiveUnwired) => {
-                self.with_broken_wire()
+            Start::Resumed | Start::Lost => self.resume_in_free_flight(inertial, unknown_s),
+            Start::Suspected => {
+                let force = captive_force(memory).and_then(CaptiveForce::from_words);
+                self.resume_suspected(inertial, unknown_s, force);
             }
-            Start::Captive => self.after_interruption(),
-            Start::Cold => self.after_traces(),
-            Start::Standby => self,
+            Start::Captive => {
+                self.resume_captive(report.mark.is_some_and(|mark| mark.flight == Flight::CaptiveUnwired));
+            }
+            Start::Cold => self.note_traces(),
+            Start::Standby => (),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use core::mem::MaybeUninit;
 
-use kf_core::launch::WireCondition;
+use kf_core::launch::{CAPTIVE_FORCE_WORDS, CaptiveForce, WireCondition};
 use kf_core::navigation::KeptInertial;
 use kf_core::snapshot::{MissionMark, MissionSnapshot, RaisedFlags, SnapshotError, Stage};
 use survival::{Flight, MarkWriter, PAYLOAD_BYTES, SlotOrder, TickMark, WordMemory};
@@ -108,13 +108,15 @@ pub struct SnapshotKeeper {
     model: u64,
     last: Option<(u64, MissionMark)>,
     lost: u32,
+    /// Whether the memory has what the force was like under the pylon, as far as is known.
+    has_force: Option<bool>,
 }
 
 impl SnapshotKeeper {
     /// A keeper that has not kept any snapshot since the start.
     #[must_use]
     pub const fn new(order: SlotOrder, model: u64) -> Self {
-        Self { order, model, last: None, lost: 0 }
+        Self { order, model, last: None, lost: 0, has_force: None }
     }
 
     /// Makes the snapshot in `place`, if one is due. Under the pylon none is kept. A snapshot is large, so it
@@ -140,6 +142,15 @@ impl SnapshotKeeper {
         Some(place.write(Snapshot { mark, inertial: onboard.and_then(Onboard::kept), mission }))
     }
 
+    /// [`kf_core::launch::LaunchDetector::captive_force`], if the memory has none yet, or words that are none
+    /// if it must not have one any more; to be kept with [`survival::keep_captive_force`].
+    #[inline(never)]
+    pub fn captive_force_due(&mut self, onboard: Option<&Onboard>) -> Option<[u32; CAPTIVE_FORCE_WORDS]> {
+        let force = onboard?.launch().captive_force();
+        let is_due = self.has_force.replace(force.is_some()) != Some(force.is_some());
+        is_due.then(|| force.map_or([u32::MAX; CAPTIVE_FORCE_WORDS], CaptiveForce::to_words))
+    }
+
     /// Keeps a snapshot; `buffer` is ordinary memory.
     #[inline(never)]
     pub fn keep(
@@ -159,5 +170,42 @@ impl SnapshotKeeper {
     #[must_use]
     pub const fn lost(&self) -> u32 {
         self.lost
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
+    use kf_core::input::{ImuSample, TickInput};
+    use kf_core::launch::LaunchConfig;
+    use kf_core::strapdown;
+
+    use super::*;
+
+    /// The memory of an earlier flight, or of a suspicion that is over, must not say that the force has not
+    /// departed: the next opening may be the release.
+    #[test]
+    fn the_force_under_the_pylon_is_kept_while_a_torn_cable_is_suspected_and_no_longer() {
+        let mut onboard = Onboard::new(LaunchConfig::DEFAULT, strapdown::Config::MEMS).unwrap();
+        let mut keeper = SnapshotKeeper::new(SlotOrder::EMPTY, 1);
+        let none = [u32::MAX; CAPTIVE_FORCE_WORDS];
+        assert_eq!(CaptiveForce::from_words(none), None);
+        let mut kept = Vec::new();
+        for tick in 0..4_400 {
+            let is_open = (4_000..4_200).contains(&tick);
+            let noise_mps2 = if tick % 2 == 0 { 0.05 } else { -0.05 };
+            let mut input = TickInput {
+                time_us: 1_000_000 + tick * 5_000,
+                imu: Some(ImuSample { accel_mps2: [0.0, 0.0, noise_mps2 - 9.8], gyro_radps: [0.0; 3] }),
+                ..TickInput::default()
+            };
+            onboard.complete(&mut input, Some(is_open));
+            kept.extend(keeper.captive_force_due(Some(&onboard)).map(|words| (tick, words == none)));
+        }
+        // The window is a quarter of a second: 50 ticks.
+        assert_eq!(kept, [(0, true), (4_050, false), (4_200, true)]);
     }
 }

@@ -20,8 +20,8 @@ pub use clock::WideClock;
 pub use crash::{Cause, CrashRecord, PLACE_BYTES};
 pub use history::{CRASHES_AT_ONCE, FIRST_PAUSE_US, History, LONGEST_PAUSE_US, STEADY_US};
 pub use memory::{
-    BOARD, BOARD_WORDS, RETAINED_WORDS, RetainedImage, WordMemory, history, keep_crash, keep_history,
-    take_crash,
+    BOARD, BOARD_WORDS, RETAINED_WORDS, RetainedImage, WordMemory, captive_force, history,
+    keep_captive_force, keep_crash, keep_history, take_crash,
 };
 pub use oscillator::{ClockTree, NoClock, Oscillator, start_clock};
 pub use report::RestartReport;

@@ -22,8 +22,11 @@ const HISTORIES: [usize; 2] =
     [CRASH + crash::SEALED_WORDS, CRASH + crash::SEALED_WORDS + history::SEALED_WORDS];
 /// First of the board's own words.
 pub const BOARD: usize = HISTORIES[1] + history::SEALED_WORDS;
+/// Words of what the force was like under the pylon.
+const FORCE_WORDS: usize = 8;
+const FORCE: usize = BOARD + BOARD_WORDS;
 /// Number of words in all: they fit into the 4 KiB of an STM32F405's backup SRAM.
-pub const RETAINED_WORDS: usize = BOARD + BOARD_WORDS;
+pub const RETAINED_WORDS: usize = FORCE + FORCE_WORDS + 1;
 const _: () = assert!(RETAINED_WORDS <= 1_024);
 
 /// Memory of [`RETAINED_WORDS`] words that a reset leaves unchanged. Its initial content is arbitrary; the
@@ -77,6 +80,18 @@ pub fn history(memory: &impl WordMemory) -> History {
 /// Keeps the restarts.
 pub fn keep_history(memory: &mut impl WordMemory, history: History) {
     HISTORIES.into_iter().for_each(|start| write_sealed(memory, start, history.to_words()));
+}
+
+/// What the force was like under the pylon, if its check is right: `CaptiveForce` of the launch detector.
+#[inline(never)]
+pub fn captive_force(memory: &impl WordMemory) -> Option<[u32; FORCE_WORDS]> {
+    read_sealed(memory, FORCE)
+}
+
+/// Keeps what the force is like under the pylon. A reset meanwhile leaves nothing of it.
+#[inline(never)]
+pub fn keep_captive_force(memory: &mut impl WordMemory, words: [u32; FORCE_WORDS]) {
+    write_sealed(memory, FORCE, words);
 }
 
 /// Retained memory on the host: in the state after power-on until something is written. Its supply can be cut

@@ -219,7 +219,7 @@ fn a_release_soon_after_a_dip_of_the_supply_in_flight_is_seen() {
     let after = |has_traces, ground_speed_mps, captive_s, now: Now| {
         let mut rig = Rig { ground_speed_mps, ..Rig::new() };
         if has_traces {
-            rig.detector = rig.detector.after_traces();
+            rig.detector.note_traces();
         }
         rig.run(captive_s, Now { fixes: now.fixes, ..CAPTIVE });
         let torn = Now { fixes: now.fixes, ..TORN };
@@ -234,7 +234,7 @@ fn a_release_soon_after_a_dip_of_the_supply_in_flight_is_seen() {
     // A unit that has delivered for less than the cable's slack may have missed the release.
     assert_eq!(after(true, 40.0, 0.2, TORN), Some(Confirmation::Unconfirmed));
     let mut rig = Rig::new();
-    rig.detector = rig.detector.after_interruption();
+    rig.detector.resume_captive();
     rig.run(0.2, Now { fixes: Fixes::None, ..CAPTIVE });
     let launch = rig.run(5.0, Now { fixes: Fixes::None, ..TORN });
     assert_eq!(launch.map(|launch| launch.by), Some(Confirmation::Unconfirmed));
@@ -250,7 +250,7 @@ fn a_release_soon_after_a_dip_of_the_supply_in_flight_is_seen() {
 fn a_suspicion_outlasts_a_restart_by_the_cables_slack() {
     let restarted = |closed_s: f32| {
         let mut rig = Rig::new();
-        rig.detector = rig.detector.after_suspicion();
+        rig.detector.resume_suspected(None);
         rig.run(closed_s, Now { load: Some(0.4), ..CAPTIVE });
         rig
     };
@@ -266,12 +266,49 @@ fn a_suspicion_outlasts_a_restart_by_the_cables_slack() {
     assert_eq!(restarted(CONFIG.window_s + 0.01).state(), LaunchState::Captive);
 }
 
+/// A cable tears, and the supply dips half a second later: the start knows that the force had not departed and
+/// what it was like, so it decides as if there had been no dip. If the dip comes sooner, nothing is known.
+#[test]
+fn a_torn_cable_is_none_after_a_restart_either() {
+    let restarted = |before_s: f32, torn: Now, now: Now| {
+        let mut rig = Rig::captive();
+        rig.run(before_s, torn);
+        let force = rig.detector.captive_force();
+        let mut next = Rig::new();
+        next.detector.resume_suspected(force);
+        // Another dip, before the window has passed again.
+        next.run(0.1, now);
+        assert_eq!(next.detector.captive_force(), force);
+        let mut last = Rig::new();
+        last.detector.resume_suspected(next.detector.captive_force());
+        let launch = last.run(10.0, now).map(|launch| launch.by);
+        assert_eq!(launch.is_none(), last.detector.wire() == WireCondition::Broken);
+        (force.is_some(), launch)
+    };
+    assert_eq!(restarted(0.5, TORN, TORN), (true, None));
+    assert_eq!(restarted(0.1, TORN, TORN), (false, Some(Confirmation::Unconfirmed)));
+    assert_eq!(restarted(0.4, RELEASED, RELEASED), (false, Some(Confirmation::Unconfirmed)));
+    // It was a release without a step: the vehicle now vibrates, or sinks.
+    for now in [Now { vibration: 0.6, ..TORN }, Now { load: Some(0.85), ..TORN }] {
+        assert_eq!(restarted(0.5, TORN, now), (true, Some(Confirmation::Unconfirmed)));
+    }
+    // A dead unit shows neither.
+    let dead = Now { load: None, ..TORN };
+    assert_eq!(restarted(0.5, TORN, dead), (true, Some(Confirmation::Unconfirmed)));
+    // A suspicion that is over has nothing to hand on.
+    let mut rig = Rig::captive();
+    rig.run(0.5, TORN);
+    assert!(rig.detector.captive_force().is_some());
+    rig.run(1.0, CAPTIVE);
+    assert_eq!((rig.state(), rig.detector.captive_force()), (LaunchState::Captive, None));
+}
+
 /// In the first seconds only a departure can show a release, so the wire is broken as soon as the window has
 /// passed without one, before the next dip of the supply.
 #[test]
 fn a_wire_that_breaks_soon_after_a_dip_is_called_broken_at_once() {
     let mut rig = Rig::new();
-    rig.detector = rig.detector.after_traces();
+    rig.detector.note_traces();
     rig.run(0.4, CAPTIVE);
     assert_eq!(rig.run(0.24, TORN), None);
     assert_eq!(rig.detector.wire(), WireCondition::Open);

@@ -2,6 +2,12 @@
 
 use super::*;
 use crate::strapdown::bridge;
+use crate::strapdown::kept::KeptChannel;
+
+fn resumed(kept: &KeptChannel, unknown_s: f32) -> Option<VerticalChannel> {
+    let mut channel = VerticalChannel::new(Config::MEMS);
+    channel.resume(kept, unknown_s).then_some(channel)
+}
 
 fn rest() -> ImuSample {
     sample([0.0, 0.0, -G], [0.0; 3])
@@ -122,7 +128,7 @@ fn after_every_gap_the_next_climb_rate_is_waited_for() {
         rig.tick += 39;
         if is_restarted {
             let kept = rig.channel.kept().unwrap();
-            rig.channel = VerticalChannel::resumed(Config::MEMS, &kept, 0.0).unwrap();
+            rig.channel = resumed(&kept, 0.0).unwrap();
         }
         rig.step(&rest());
         rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
@@ -142,7 +148,7 @@ fn a_restart_without_a_gap_waits_for_the_next_climb_rate() {
         rig.channel.climb_rate_fix(rig.time_us(), 0.0).unwrap();
     }
     assert!(rig.channel.is_mending());
-    rig.channel = VerticalChannel::resumed(Config::MEMS, &rig.channel.kept().unwrap(), 0.0).unwrap();
+    rig.channel = resumed(&rig.channel.kept().unwrap(), 0.0).unwrap();
     (0..20).for_each(|_| rig.step(&rest()));
     rig.channel.reference(rig.time_us(), 1_000.0).unwrap();
     assert!(rig.channel.is_mending());
@@ -227,7 +233,7 @@ fn a_channel_that_is_kept_goes_on() {
     let mut bytes = [0; 160];
     let bytes = postcard::to_slice(&whole.channel.kept(), &mut bytes).unwrap();
     let kept: Option<KeptChannel> = postcard::from_bytes(bytes).unwrap();
-    let channel = VerticalChannel::resumed(Config::MEMS, &kept.unwrap(), 0.0).unwrap();
+    let channel = resumed(&kept.unwrap(), 0.0).unwrap();
     let mut resumed = Rig { channel, tick: whole.tick };
     for _ in 0..10 * SECOND {
         whole.step(&reading);
@@ -245,7 +251,7 @@ fn an_interruption_of_unknown_length_costs_the_altitude_until_the_next_fix() {
     rig.channel.launch();
     rig.channel.climb_rate.add(-20.0);
     let kept = rig.channel.kept().unwrap();
-    rig.channel = VerticalChannel::resumed(Config::MEMS, &kept, 1.0).unwrap();
+    rig.channel = resumed(&kept, 1.0).unwrap();
     let altitude_m = rig.channel.altitude.value();
     rig.step(&rest());
     assert_eq!(rig.channel.altitude_m(), None);
@@ -272,7 +278,7 @@ fn an_altitude_that_was_far_off_before_an_interruption_goes_on_saying_so() {
     rig.channel.climb_rate.add(-10.0);
     rig.channel.altitude.add(90.0);
     let kept = rig.channel.kept().unwrap();
-    rig.channel = VerticalChannel::resumed(Config::MEMS, &kept, 1.0).unwrap();
+    rig.channel = resumed(&kept, 1.0).unwrap();
     for fix in 0..100 {
         (0..20).for_each(|_| rig.step(&rest()));
         let truth_m = rig.channel.altitude.value() - 90.0;
@@ -287,9 +293,9 @@ fn a_suspicion_that_was_none_begins_anew_after_a_restart() {
     let mut rig = Rig::captive(60);
     rig.channel.hold();
     let kept = rig.channel.kept().unwrap();
-    let mut resumed = VerticalChannel::resumed(Config::MEMS, &kept, 0.0).unwrap();
-    resumed.resume_captive();
-    assert!(!resumed.is_aligned() && resumed.down_body().is_none());
+    let mut restarted = resumed(&kept, 0.0).unwrap();
+    restarted.resume_captive();
+    assert!(!restarted.is_aligned() && restarted.down_body().is_none());
 }
 
 #[test]
@@ -297,5 +303,5 @@ fn a_copy_with_a_number_that_is_none_is_refused() {
     let mut rig = Rig::captive(60);
     rig.channel.launch();
     rig.channel.altitude = Sum::new(f32::NAN);
-    assert_eq!(VerticalChannel::resumed(Config::MEMS, &rig.channel.kept().unwrap(), 0.0), None);
+    assert_eq!(resumed(&rig.channel.kept().unwrap(), 0.0), None);
 }
