@@ -448,11 +448,29 @@ impl Judge<'_> {
             match own {
                 None => self.broken(Invariant::Blame, what),
                 Some(fault) if fault.is_transient() => {
-                    self.broken(Invariant::Permanent, format!("flagged: {what}"))
+                    let allowed = fault.to - fault.from + GRACE_TICKS;
+                    match self.early(sensor, tick) {
+                        Some(early) if early <= allowed => {}
+                        Some(early) => self.broken(
+                            Invariant::Transient,
+                            format!("flagged {:.2} s before it leaves its bound: {what}", seconds(early)),
+                        ),
+                        None => self.broken(Invariant::Permanent, format!("flagged: {what}")),
+                    }
                 }
                 Some(_) => {}
             }
         }
+    }
+
+    /// Number of ticks from a sensor's flag until it leaves its bound. A transient may turn the level of an
+    /// altitude that is integrated, which then drifts away for good: no flag costs such a sensor more than
+    /// the time until it is useless. `None` if it never is.
+    fn early(&self, sensor: Sensor, flagged: usize) -> Option<usize> {
+        let bound_m = self.clean_bound_m(sensor).min(self.bound_m(sensor));
+        let is_beyond =
+            |seen: &Option<Seen>| seen.is_some_and(|seen| seen.true_error_m[sensor.index()].abs() >= bound_m);
+        self.faulty.ticks.iter().skip(flagged).position(is_beyond)
     }
 
     fn detection(&mut self) {

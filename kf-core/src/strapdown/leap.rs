@@ -1,7 +1,8 @@
 //! Leaps: a sample that differs from the previous one by more than an aircraft's motion is refused and
 //! bridged like a gap.
 
-use super::vector::{Vector, difference, dot};
+use super::vector::{Down, Vector, difference, dot, scaled};
+use crate::atmosphere::STANDARD_GRAVITY_MPS2;
 
 /// Largest changes between two samples that an aircraft makes, m/s^2 and rad/s: 700 g a second, and 400
 /// rad/s^2 at 200 samples a second. A flipped bit that matters (4 g, 125 deg/s of the unit's 16 g and 2,000
@@ -39,47 +40,57 @@ pub(super) enum Step {
     Back,
 }
 
-/// Whether a sample leads back from the last one taken, towards rest.
-fn leads_back(part: Vector, last: Vector, rest: Vector) -> bool {
-    let (apart, last_apart) = (difference(part, rest), difference(last, rest));
-    dot(apart, apart) < dot(last_apart, last_apart)
-}
+/// A sample, or a limit: force, m/s^2, and rate, rad/s, body axes.
+type Pair<T> = [T; 2];
 
-/// How a sample follows the last one taken, each as [force, rate], after `refused` samples in a row were
-/// refused as leaps. `rest_force`: the specific force of level flight, body axes.
+/// How a sample follows the last one taken, after `refused` samples in a row were refused as leaps.
 ///
 /// If a sample leaps towards rest, the last one taken is the wrong one of the two, a wild sample that was
 /// just no leap: a carrier is never far from rest, and a vehicle seldom turns by more than a rate that leaps.
 /// In free flight [`LONGEST_PUSH`] samples must leap so first, and a force never does: a vehicle pulls.
+#[inline]
 pub(super) fn follow(
-    [force, rate]: [Vector; 2],
-    [last_force, last_rate]: [Vector; 2],
-    rest_force: Vector,
+    sample: Pair<Vector>,
+    last: Pair<Vector>,
+    down: &Down,
     is_captive: bool,
     refused: u8,
 ) -> Step {
-    if refused >= LONGEST_BRIDGED {
-        return Step::Back;
-    }
-    let (force_step_mps2, rate_step_radps) = match (is_captive, refused) {
-        (true, _) => (CAPTIVE_FORCE_STEP_MPS2, CAPTIVE_RATE_STEP_RADPS),
-        (false, 0..LONGEST_PUSH) => (FORCE_STEP_MPS2, RATE_STEP_RADPS),
-        (false, _) => (NO_PUSH_MPS2, RATE_STEP_RADPS),
+    let limits = match (is_captive, refused) {
+        (_, LONGEST_BRIDGED..) => return Step::Back,
+        (true, _) => [CAPTIVE_FORCE_STEP_MPS2, CAPTIVE_RATE_STEP_RADPS],
+        (false, 0..LONGEST_PUSH) => [FORCE_STEP_MPS2, RATE_STEP_RADPS],
+        (false, _) => [NO_PUSH_MPS2, RATE_STEP_RADPS],
     };
-    let step = |part, last, limit, rest, may_lead_back| {
-        if !is_beyond(difference(part, last), limit) {
-            Step::Usual
-        } else if may_lead_back && leads_back(part, last, rest) {
-            Step::Back
-        } else {
-            Step::Leap
-        }
-    };
-    let may_turn_back = is_captive || refused >= LONGEST_PUSH;
-    let by_force = step(force, last_force, force_step_mps2, rest_force, is_captive);
-    match (by_force, step(rate, last_rate, rate_step_radps, [0.0; 3], may_turn_back)) {
-        (Step::Leap, _) | (_, Step::Leap) => Step::Leap,
-        (Step::Usual, Step::Usual) => Step::Usual,
-        (Step::Back, _) | (_, Step::Back) => Step::Back,
+    let [force, rate] = sample;
+    let [last_force, last_rate] = last;
+    let is_far = [
+        is_beyond(difference(force, last_force), limits[0]),
+        is_beyond(difference(rate, last_rate), limits[1]),
+    ];
+    if is_far == [false; 2] {
+        return Step::Usual;
     }
+    let may_lead_back = [is_captive, is_captive || refused >= LONGEST_PUSH];
+    follow_far(sample, last, down, is_far, may_lead_back)
+}
+
+#[cold]
+fn follow_far(
+    [force, rate]: Pair<Vector>,
+    [last_force, last_rate]: Pair<Vector>,
+    down: &Down,
+    is_far: Pair<bool>,
+    may_lead_back: Pair<bool>,
+) -> Step {
+    let rest_force = scaled(down.get(), -STANDARD_GRAVITY_MPS2);
+    let leads_back = [leads_back(force, last_force, rest_force), leads_back(rate, last_rate, [0.0; 3])];
+    let leaps = |k: usize| is_far[k] && !(may_lead_back[k] && leads_back[k]);
+    if leaps(0) || leaps(1) { Step::Leap } else { Step::Back }
+}
+
+/// Whether a sample is nearer to rest than the last one.
+fn leads_back(part: Vector, last: Vector, rest: Vector) -> bool {
+    let (apart, last_apart) = (difference(part, rest), difference(last, rest));
+    dot(apart, apart) < dot(last_apart, last_apart)
 }

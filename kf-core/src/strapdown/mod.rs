@@ -465,7 +465,7 @@ impl VerticalChannel {
         let step = leap::follow(
             [force, gyro_radps],
             [last.force, last.rate],
-            scaled(down.get(), -GRAVITY_MPS2),
+            &down,
             is_captive || self.is_captive_leap,
             self.spikes,
         );

@@ -174,6 +174,36 @@ fn what_a_sensor_has_drifted_since_the_launch_is_its_own_error() {
     assert_eq!(flagged(0.5, 0.5), [Invariant::Blame]);
 }
 
+/// A transient of the inertial unit turns the level of the integrated altitude, which drifts away for good. A
+/// flag before it leaves its bound costs the time until then; the loss is the fault's doing.
+#[test]
+fn an_early_flag_of_an_altitude_that_a_transient_sends_away_costs_the_time_until_it_is_gone() {
+    let flagged = |gone: usize| {
+        let mut faulty = drifting(20_000, &(0..0));
+        for (tick, seen) in faulty.ticks.iter_mut().enumerate() {
+            let true_error_m = if tick < gone { 2.0 } else { 8.0 };
+            *seen = seen.take().map(|seen| Seen { true_error_m: [true_error_m; SENSORS], ..seen });
+        }
+        faulty.flagged[Sensor::ImuSlave.index()] = Some(Flagged { tick: 15_000, true_error_m: 2.0 });
+        let mut case = case(None);
+        case.faults.push(Drawn {
+            name: "imu: spike",
+            place: Place::Imu,
+            phase: Phase::LateFree,
+            from: 14_000,
+            to: 14_100,
+            events: Vec::new(),
+            dips: Vec::new(),
+            step_us: 0,
+        });
+        let verdict = judge(&case, &Flown { clean: drifting(20_000, &(0..0)), faulty });
+        verdict.violations.iter().map(|violation| violation.invariant).collect::<Vec<_>>()
+    };
+    assert_eq!(flagged(15_000 + 100 + GRACE_TICKS), []);
+    assert_eq!(flagged(15_001 + 100 + GRACE_TICKS), [Invariant::Transient]);
+    assert_eq!(flagged(usize::MAX), [Invariant::Permanent]);
+}
+
 /// A transient of the receiver leaves a sensor unmonitored from the launch on, with an alarm limit or without:
 /// that is a loss, unless the sensor is wrong anyway.
 #[test]
