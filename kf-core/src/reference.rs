@@ -188,7 +188,9 @@ impl ReferenceTracker {
     #[inline]
     pub fn is_current(&self, time_us: u64) -> bool {
         let age_us = time_us.saturating_sub(self.last_fix_us());
-        !self.carries_climb || age_us <= CARRIED_US || age_us <= self.usual_us + self.usual_us / 2
+        !self.carries_climb
+            || age_us <= CARRIED_US
+            || age_us <= self.usual_us.saturating_add(self.usual_us / 2)
     }
 
     /// See [`AcceptedFix::altitude_minus_climb_m`]; for the last fix, if a climb rate carries the altitude.
@@ -342,6 +344,15 @@ mod tests {
             assert!(tracker.is_current(last_us + current_us), "{interval_us}");
             assert!(!tracker.is_current(last_us + current_us + 1), "{interval_us}");
         }
+    }
+
+    /// A clock that leaps to the end of its range makes the usual interval as long.
+    #[test]
+    fn an_interval_as_long_as_time_overflows_nothing() {
+        let mut tracker = ReferenceTracker::new(&config(true));
+        tracker.take(0, &fix(100.0, -1.0)).unwrap();
+        tracker.take(u64::MAX - 2 * CARRIED_US, &fix(101.0, -1.0)).unwrap();
+        assert!(tracker.is_current(u64::MAX));
     }
 
     /// After a restart the interval is the receiver's, however little the two clocks differ; otherwise a late
