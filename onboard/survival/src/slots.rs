@@ -6,7 +6,7 @@ use crate::check::of_words_and_bytes;
 use crate::memory::{SLOTS, WordMemory};
 
 /// Capacity of one copy, bytes.
-pub const PAYLOAD_BYTES: usize = 1_912;
+pub const PAYLOAD_BYTES: usize = 1_920;
 
 /// First word of a copy that is not empty.
 const MAGIC: u32 = 0x4b45_5054;
