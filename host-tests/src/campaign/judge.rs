@@ -465,12 +465,16 @@ impl Judge<'_> {
 
     /// Number of ticks from a sensor's flag until it leaves its bound. A transient may turn the level of an
     /// altitude that is integrated, which then drifts away for good: no flag costs such a sensor more than
-    /// the time until it is useless. `None` if it never is.
+    /// the time until it is useless. `None` if it is within its bound in the end, or when it fails by itself.
     fn early(&self, sensor: Sensor, flagged: usize) -> Option<usize> {
         let bound_m = self.clean_bound_m(sensor).min(self.bound_m(sensor));
         let is_beyond =
             |seen: &Option<Seen>| seen.is_some_and(|seen| seen.true_error_m[sensor.index()].abs() >= bound_m);
-        self.faulty.ticks.iter().skip(flagged).position(is_beyond)
+        let fails = self.case.failure.filter(|failure| failure.sensor == sensor);
+        let end = fails.map_or(usize::MAX, |failure| failure.tick).min(self.faulty.ticks.len());
+        let after = self.faulty.ticks.get(flagged..end)?;
+        let last = after.iter().rev().find(|seen| seen.is_some())?;
+        is_beyond(last).then(|| after.iter().position(is_beyond))?
     }
 
     fn detection(&mut self) {

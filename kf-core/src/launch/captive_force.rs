@@ -18,7 +18,7 @@ impl CaptiveForce {
         self.0.map(f32::to_bits)
     }
 
-    /// The values from retained memory; `None` if one is not a number.
+    /// The values from retained memory; `None` if one is not finite.
     #[must_use]
     pub fn from_words(words: [u32; CAPTIVE_FORCE_WORDS]) -> Option<Self> {
         let values = words.map(f32::from_bits);

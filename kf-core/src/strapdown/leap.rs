@@ -22,7 +22,7 @@ const CAPTIVE_FORCE_STEP_MPS2: f32 = 15.0;
 /// The velocity match must find smaller leaps that last.
 const CAPTIVE_RATE_STEP_RADPS: f32 = 0.5;
 /// This many samples in a row are right, and the sample taken before them is wrong.
-pub(super) const LONGEST_BRIDGED: u8 = 200;
+const LONGEST_BRIDGED: u8 = 200;
 
 /// Whether any component is larger than a limit.
 fn is_beyond([x, y, z]: Vector, limit: f32) -> bool {

@@ -403,15 +403,18 @@ impl VerticalChannel {
     /// Velocities have contradicted the level. If the match had agreed with them before, something brief
     /// moved it: wrong samples, or wrong fixes. The level is then off by no more than a match can start from,
     /// so the next fix starts another one. If velocities contradict it at once, or twice before a match has
-    /// lasted, the match has turned their errors into a gyro bias, and the level is unknown.
+    /// lasted, the match has turned their errors into a gyro bias, and the level is unknown: false.
     #[cold]
-    fn contradict(&mut self, is_brief: bool) {
+    fn keeps_level(&mut self, has_agreed: bool, has_lasted: bool) -> bool {
+        let is_brief = has_lasted || has_agreed && self.contradictions == 0;
+        self.contradictions = if has_lasted { 0 } else { (self.contradictions + 1).min(CONTRADICTIONS) };
         if is_brief {
             // The lacking acceleration is not known any better than that.
             self.tie.add(0.0, 0.0, DISTURBED_M2PS4);
         } else {
             self.levelling = Levelling::default();
         }
+        is_brief
     }
 
     fn lose(&mut self) {
@@ -486,12 +489,8 @@ impl VerticalChannel {
         down.rotate(angle);
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
             if let Some(matching) = self.matching.take_if(|matching| matching.is_contradicted()) {
-                let is_brief = matching.has_lasted() || matching.has_agreed() && self.contradictions == 0;
                 self.has_noise |= self.repeated_s > longest_gap_s;
-                self.contradictions =
-                    if matching.has_lasted() { 0 } else { (self.contradictions + 1).min(CONTRADICTIONS) };
-                self.contradict(is_brief);
-                if !is_brief {
+                if !self.keeps_level(matching.has_agreed(), matching.has_lasted()) {
                     // A fit that begins with a level far off would turn the error into a gyro bias.
                     down = Down::from_specific_force(force, GRAVITY_MPS2).unwrap_or(down);
                 }

@@ -178,14 +178,14 @@ fn what_a_sensor_has_drifted_since_the_launch_is_its_own_error() {
 /// flag before it leaves its bound costs the time until then; the loss is the fault's doing.
 #[test]
 fn an_early_flag_of_an_altitude_that_a_transient_sends_away_costs_the_time_until_it_is_gone() {
-    let flagged = |gone: usize| {
+    let flagged = |gone: usize, back: usize, failure: Option<Failure>| {
         let mut faulty = drifting(20_000, &(0..0));
         for (tick, seen) in faulty.ticks.iter_mut().enumerate() {
-            let true_error_m = if tick < gone { 2.0 } else { 8.0 };
+            let true_error_m = if (gone..back).contains(&tick) { 8.0 } else { 2.0 };
             *seen = seen.take().map(|seen| Seen { true_error_m: [true_error_m; SENSORS], ..seen });
         }
         faulty.flagged[Sensor::ImuSlave.index()] = Some(Flagged { tick: 15_000, true_error_m: 2.0 });
-        let mut case = case(None);
+        let mut case = case(failure);
         case.faults.push(Drawn {
             name: "imu: spike",
             place: Place::Imu,
@@ -199,9 +199,14 @@ fn an_early_flag_of_an_altitude_that_a_transient_sends_away_costs_the_time_until
         let verdict = judge(&case, &Flown { clean: drifting(20_000, &(0..0)), faulty });
         verdict.violations.iter().map(|violation| violation.invariant).collect::<Vec<_>>()
     };
-    assert_eq!(flagged(15_000 + 100 + GRACE_TICKS), []);
-    assert_eq!(flagged(15_001 + 100 + GRACE_TICKS), [Invariant::Transient]);
-    assert_eq!(flagged(usize::MAX), [Invariant::Permanent]);
+    let never = usize::MAX;
+    assert_eq!(flagged(15_000 + 100 + GRACE_TICKS, never, None), []);
+    assert_eq!(flagged(15_001 + 100 + GRACE_TICKS, never, None), [Invariant::Transient]);
+    // It comes back, or does not go before it fails by itself: the transient has cost it.
+    assert_eq!(flagged(15_100, 19_000, None), [Invariant::Permanent]);
+    assert_eq!(flagged(never, never, None), [Invariant::Permanent]);
+    let failure = Failure { sensor: Sensor::ImuSlave, kind: FailureKind::Drift, tick: 15_050, sign: 1.0 };
+    assert_eq!(flagged(15_100, never, Some(failure)), [Invariant::Permanent]);
 }
 
 /// A transient of the receiver leaves a sensor unmonitored from the launch on, with an alarm limit or without:

@@ -287,6 +287,17 @@ fn samples_that_lead_back_to_rest_under_the_pylon_are_no_leaps() {
         let down = rig.channel.down_body().unwrap();
         assert!(down[2] > 0.004_f32.cos(), "{down:?}");
         assert!((rig.channel.climb_rate.value() - climb_mps).abs() < 0.01);
+        // Two wrong samples turn by 0.005 rad and climb 0.15 m/s in their own 10 ms. If the last were used over
+        // the gap after it, that would be 0.1 rad and 2.9 m/s more.
+        for times in [1.0, 2.0] {
+            rig.step(&sample([0.0, 0.0, -G - 14.5 * times], [0.0, 0.48 * times, 0.0]));
+        }
+        rig.tick += 40;
+        rig.step(&rest());
+        let down = rig.channel.down_body().unwrap();
+        assert!(down[2] > 0.009_f32.cos(), "{down:?}");
+        let climbed_mps = rig.channel.climb_rate.value() - climb_mps;
+        assert!(climbed_mps.abs() < 0.2, "{climbed_mps}");
         // Away from rest it is a leap for a second.
         let leaping = sample([0.0, 0.0, -G - 20.0], [0.0; 3]);
         for _ in 0..200 {
