@@ -405,6 +405,7 @@ impl VerticalChannel {
     /// so the next fix starts another one. If velocities contradict it at once, or twice before a match has
     /// lasted, the match has turned their errors into a gyro bias, and the level is unknown: false.
     #[cold]
+    #[inline(never)]
     fn keeps_level(&mut self, has_agreed: bool, has_lasted: bool) -> bool {
         let is_brief = has_lasted || has_agreed && self.contradictions == 0;
         self.contradictions = if has_lasted { 0 } else { (self.contradictions + 1).min(CONTRADICTIONS) };
@@ -488,9 +489,10 @@ impl VerticalChannel {
         }
         down.rotate(angle);
         if is_captive && self.matching.as_ref().is_some_and(|matching| matching.is_void(time_us)) {
-            if let Some(matching) = self.matching.take_if(|matching| matching.is_contradicted()) {
+            if let Some(matching) = self.matching.as_ref().filter(|matching| matching.is_contradicted()) {
+                let (has_agreed, has_lasted) = (matching.has_agreed(), matching.has_lasted());
                 self.has_noise |= self.repeated_s > longest_gap_s;
-                if !self.keeps_level(matching.has_agreed(), matching.has_lasted()) {
+                if !self.keeps_level(has_agreed, has_lasted) {
                     // A fit that begins with a level far off would turn the error into a gyro bias.
                     down = Down::from_specific_force(force, GRAVITY_MPS2).unwrap_or(down);
                 }
