@@ -210,6 +210,36 @@ fn an_altitude_that_drifts_to_where_the_receiver_has_jumped_is_no_witness() {
     assert_eq!(violations(7058, 2032), [""; 0]);
 }
 
+/// A receiver jumps by 12 m, or converges from 42 m, 22 m or 52 m, and both sensors contradict it. When it is
+/// taken again the other sensor has drifted towards it: that is no evidence against the healthy one.
+#[test]
+fn a_sensor_that_drifts_towards_a_receiver_that_is_refused_is_no_witness() {
+    for (seed, index) in [(7073, 997), (7071, 767), (7072, 127), (7056, 866)] {
+        assert_eq!(violations(seed, index), [""; 0], "{seed}: {index}");
+    }
+}
+
+/// A unit reads free fall from before the release until after it, and then one g again.
+#[test]
+fn a_unit_that_reads_free_fall_during_the_release_does_not_hide_it() {
+    for (seed, index) in [(7071, 591), (7072, 1646)] {
+        assert_eq!(violations(seed, index), [""; 0], "{seed}: {index}");
+    }
+}
+
+/// A receiver jumps by 16 m soon after the calibration has begun: nothing shows which level is right.
+#[test]
+fn a_receiver_that_leaves_the_level_of_the_settling_time_makes_no_good_calibration() {
+    assert_eq!(violations(7081, 68), [""; 0]);
+}
+
+/// A cable tears while a unit is silent, and half a minute later the carrier has swung by 2 m/s: that shows no
+/// release.
+#[test]
+fn a_cable_that_tears_while_the_unit_is_silent_is_no_launch() {
+    assert_eq!(violations(7072, 2220), [""; 0]);
+}
+
 /// The program crashes between the fall that raises the suspicion and the opening of the wire, and again
 /// after that; or the supply dips there: the held calibration is that of the launch.
 #[test]

@@ -183,7 +183,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
         self.altitude = BlockStatistics::EMPTY;
         self.airspeed_squared = BlockStatistics::EMPTY;
         self.reference_drift = BlockStatistics::EMPTY;
-        self.reference_level = ReferenceLevel::NEW;
+        self.reference_level.forget(false);
         self.stagger();
     }
 
@@ -570,16 +570,18 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     ) {
         let counts = has_settled || tracker.last_fix().is_some_and(|fix| config.quality.accepts(fix));
         let had_jumped = self.reference_level.has_jumped();
-        // Everything is measured against the first fix's level. A level that ends within the memory that it
-        // is judged by was a false one: some fixes were off as the calibration began, or began again.
+        // Everything is measured against the first fix's level. If it ends within the memory that it is judged
+        // by, the calibration begins again. It was a false one if some fixes were off as the calibration began;
+        // if it was that of the settling time, nothing shows which of the two is right.
         if has_settled && !self.has_fix {
             self.reference_level.restart();
         }
         let is_apart = self.reference_level.follow(&config.reference, fix, counts);
         let is_young = |start_us| seconds_between(start_us, time_us) < reference_level::BEFORE_S;
         if is_apart && self.start_us.is_some_and(is_young) {
+            let has_jumped = had_jumped || !self.reference_level.leads_back();
             self.restart(time_us);
-            self.reference_level = ReferenceLevel::new(had_jumped);
+            self.reference_level.forget(has_jumped);
             self.reference_level.follow(&config.reference, fix, counts);
         }
     }

@@ -347,15 +347,23 @@ impl FreeFlight {
         }
         let departure_m = carried_m.map_or(0.0, |carried_m| altitude_m - carried_m);
         let Self { watches, reference, silent_after_us } = self;
-        let can_compare = |watch: &&Watch| watch.can_compare(time_us, *silent_after_us);
-        let agree = |departure_m: f32| {
-            let mut witnesses = watches.iter().filter(can_compare);
-            witnesses.all(|watch| watch.is_within_bound(watch.last_error.error_m - departure_m))
+        let mut is_contradicted = false;
+        let is_vouched = || {
+            let (mut witnesses, mut by_carried, mut by_fix) = (0, 0, 0);
+            for watch in watches.iter().filter(|watch| watch.can_compare(time_us, *silent_after_us)) {
+                let [carried, fix] = watch.supported(departure_m);
+                witnesses += 1;
+                by_carried += i32::from(carried);
+                by_fix += i32::from(fix);
+            }
+            is_contradicted = by_fix == 0 && by_carried > 0 && by_carried == witnesses;
+            by_fix == witnesses && by_carried < witnesses
         };
-        // Without witnesses both are true.
-        let is_good = reference.take(time_us, carried_m, departure_m, || agree(departure_m) && !agree(0.0));
+        let is_good = reference.take(time_us, carried_m, departure_m, is_vouched);
         if is_good {
             self.move_reference(departure_m);
+        } else if is_contradicted {
+            reference.discredit();
         }
         is_good
     }

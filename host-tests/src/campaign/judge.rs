@@ -641,9 +641,12 @@ impl Judge<'_> {
         for sensor in FREE {
             let extra = self.in_vain(self.faulty, sensor, launched);
             let extra = extra.saturating_sub(self.in_vain(self.clean, sensor, launched));
-            if extra > (to - from) + GRACE_TICKS && !restarts_captive {
-                let last = self.faulty.ticks.iter().rev().flatten().next();
-                let for_good = last.is_some_and(|seen| seen.trust[sensor.index()] == Trust::Unmonitored);
+            let allowed = (to - from) + GRACE_TICKS;
+            if extra > allowed && !restarts_captive {
+                // A sensor whose readings are judged or not one by one is not lost because the last one is not.
+                let seen = self.faulty.ticks.iter().rev().flatten();
+                let is_unmonitored = |seen: &&Seen| seen.trust[sensor.index()] == Trust::Unmonitored;
+                let for_good = seen.take_while(is_unmonitored).count() > allowed;
                 let invariant = if for_good { Invariant::Permanent } else { Invariant::Transient };
                 self.broken(
                     invariant,

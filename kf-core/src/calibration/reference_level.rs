@@ -27,24 +27,38 @@ pub(super) struct ReferenceLevel {
     now_m: f32,
     /// NaN before the first fix.
     before_m: f32,
+    /// The previous level as the calibration began; NaN if there was none.
+    settling_m: f32,
     has_jumped: bool,
 }
 
 impl ReferenceLevel {
-    pub(super) const NEW: Self = Self { now_m: 0.0, before_m: f32::NAN, has_jumped: false };
+    pub(super) const NEW: Self =
+        Self { now_m: 0.0, before_m: f32::NAN, settling_m: f32::NAN, has_jumped: false };
 
-    /// Without fixes. The argument: whether an earlier level has jumped.
-    pub(super) const fn new(has_jumped: bool) -> Self {
-        Self { has_jumped, ..Self::NEW }
+    /// Forgets the levels. The argument: whether one of them has jumped.
+    pub(super) const fn forget(&mut self, has_jumped: bool) {
+        self.before_m = f32::NAN;
+        self.has_jumped = has_jumped;
     }
 
     pub(super) const fn has_jumped(&self) -> bool {
         self.has_jumped
     }
 
-    /// Makes the next fix the level. Jumps seen so far are kept.
+    /// Makes the next fix the level: the calibration begins. Jumps seen so far are kept.
     pub(super) const fn restart(&mut self) {
+        self.settling_m = self.before_m;
         self.before_m = f32::NAN;
+    }
+
+    /// Whether the level leads back to the one of the settling time, if there was one. If so, the level between
+    /// was a false one.
+    pub(super) fn leads_back(&self) -> bool {
+        let Self { now_m, before_m, settling_m, .. } = *self;
+        // Its distance from that level is larger than the false one's, or equal; NaN is neither.
+        let leads_away = (now_m - before_m) * ((now_m - settling_m) + (before_m - settling_m)) >= 0.0;
+        !leads_away
     }
 
     /// Takes a fix and returns whether the level has changed. `counts`: the fix has no excuse to move. A fix

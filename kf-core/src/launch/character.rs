@@ -53,7 +53,7 @@ pub(super) struct Character {
     odd: u8,
     /// When the last block of a living unit ended.
     living_us: Option<u64>,
-    /// The unit has been silent since the suspicion began: it may have missed a passing change.
+    /// The unit has been silent or wrong since the suspicion began: it may have missed a passing change.
     was_blind: bool,
 }
 
@@ -155,6 +155,11 @@ impl Character {
         self.differing = 0;
     }
 
+    /// A fault of the unit may have hidden a passing change in this suspicion.
+    pub(super) const fn call_blind(&mut self) {
+        self.was_blind = true;
+    }
+
     /// Whether it has changed since the suspicion began.
     pub(super) const fn has_changed(&self) -> bool {
         self.differing >= IN_A_ROW
@@ -176,7 +181,8 @@ impl Character {
         !self.was_blind && self.lives(now_us)
     }
 
-    fn lives(&self, now_us: u64) -> bool {
+    /// Whether the unit delivers now.
+    pub(super) fn lives(&self, now_us: u64) -> bool {
         self.living_us.is_some_and(|living_us| now_us.saturating_sub(living_us) <= LIVING_US)
     }
 }

@@ -6,8 +6,11 @@
 const FALL_MPS: f32 = 5.0;
 /// Change of climb rate that a released vehicle makes sooner or later, m/s. One that leaves with a share of
 /// its weight on its own wings loses some metres a second before it has levelled out; one that carries itself
-/// changes its climb rate as soon as it is steered. Gusts and swings of a mother ship move her by half of it.
+/// changes its climb rate as soon as it is steered. In a few seconds gusts and swings of a mother ship move
+/// her by half of it.
 const OWN_MPS: f32 = 2.0;
+/// The same later: in a minute she is once at the top of her swings, and once at the bottom.
+const LATER_MPS: f32 = 4.0;
 /// Largest age of a fix that counts, microseconds: at 1 Hz, one may be late.
 const FRESH_US: u64 = 1_500_000;
 /// No aircraft of this class climbs or sinks faster, m/s.
@@ -41,10 +44,10 @@ impl Climb {
         self.was_known(since_us) && self.captive_mps - self.last_mps >= FALL_MPS
     }
 
-    /// Whether it has changed since the suspicion began: weak evidence, used where nothing else on board can
-    /// show a release.
-    pub(super) fn is_another(&self) -> bool {
-        (self.captive_mps - self.last_mps).abs() >= OWN_MPS
+    /// Whether it has changed since the suspicion began, which is soon after that or later: weak evidence,
+    /// used where nothing else on board can show a release.
+    pub(super) fn is_another(&self, is_soon: bool) -> bool {
+        (self.captive_mps - self.last_mps).abs() >= if is_soon { OWN_MPS } else { LATER_MPS }
     }
 
     /// Whether a fall would have been seen.

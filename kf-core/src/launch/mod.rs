@@ -37,8 +37,9 @@
 //! | open within 10 s of a cold start | none, or silent | no change | suspected; at the limit `broken`, captive |
 //! | open less than 5 s after the start | none, or silent | known, does not depart within the window | suspected; then `broken`, captive |
 //! | open | none, or silent | departs without a change, or not known | suspected; at the limit launched, [`Confirmation::Unconfirmed`] |
-//! | open | none, or silent | the unit has died, fixes go on | suspected; at the limit or later launched, [`Confirmation::Unconfirmed`], once the climb rate is another by 2 m/s, or a minute has passed |
-//! | open | none, or silent | low, but not since within the window of `e`, and the fixes' climb rate has not fallen | as with a unit that has died |
+//! | open | none, or silent | the unit has died, fixes go on | suspected; from the limit on launched, [`Confirmation::Unconfirmed`], once the climb rate is another (by 2 m/s in the first six seconds, by 4 m/s later), or a minute has passed |
+//! | open | none, or silent | the unit delivers, but not within the window of `e`, fixes go on | the same; after a minute `broken`, captive |
+//! | open | none, or silent | low, but not since within the window of `e`, and the fixes' climb rate has not fallen | as with a unit that has died; if it ends, as with one that did not deliver |
 //! | broken or unreadable | silent from the departure on | departs | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | changes | launched, [`Confirmation::ForceAndSilence`] |
 //! | broken | fall silent | known, no change | suspected; at the limit captive |
@@ -92,9 +93,10 @@
 //! failed, the receiver's climb rate decides: a vehicle that leaves with less than three quarters of its
 //! weight on its wings has lost 2 m/s at the limit. One that carries itself is seen when it first climbs or
 //! sinks otherwise than under the pylon, after a minute at the latest; until then nothing is calibrated and
-//! no sensor is reported as monitored. Without a receiver, or without an inertial unit from the start, a
-//! release is the likelier explanation, because every flight has one: it is a launch, and `launch_confirmed`
-//! fails.
+//! no sensor is reported as monitored. If the accelerometer delivers again and force and climb rate are those
+//! of captive flight for that minute, the cable has torn: a vehicle is steered sooner. Without a receiver, or
+//! without an inertial unit from the start, a release is the likelier explanation, because every flight has
+//! one: it is a launch, and `launch_confirmed` fails.
 //!
 //! A wire that is shorted closed, or cannot be read, hides a release that is no fall: the state then stays
 //! captive, and no sensor is reported as monitored. If silence and a change were a launch there, a data link

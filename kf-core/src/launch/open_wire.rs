@@ -5,11 +5,14 @@ use super::{Confirmation, LaunchDetector, Verdict, count};
 use crate::guard::Guard;
 use crate::time::microseconds;
 
-/// Longest time that the wire may stay open, with a dead inertial unit and an unchanged climb rate, before
-/// that is a launch, seconds. If the cable has torn and the unit stays dead for longer, two faults make a
-/// false launch; if the vehicle was released, one fault hides it for this long. A vehicle is steered within
-/// a minute of its release, and the carrier's crew sees most faults that last a minute.
+/// Longest time that the wire may stay open, with a unit that would not have felt a release and an unchanged
+/// climb rate, before that is decided, seconds. A vehicle is steered within a minute of its release, and the
+/// carrier's crew sees most faults that last a minute. If the unit is still dead, it is a launch: if the cable
+/// has torn, two faults make a false launch; if the vehicle was released, one fault hides it for this long.
 const UNSHOWN_S: f32 = 60.0;
+/// For this long a small change of the climb rate shows a release, seconds: what was lost by it is lost by
+/// then, and the carrier has hardly swung.
+const SOON_S: f32 = 6.0;
 
 /// The table's column "messages".
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -55,9 +58,18 @@ impl LaunchDetector {
             .force
             .departed_us()
             .is_some_and(|departed_us| departed_us.abs_diff(edge_us) <= microseconds(self.config.window_s));
+        // A release is felt within the window. A force that became too low before or after it is not the
+        // release's, if the climb rate would show the fall.
+        let is_other_fall = self.force.is_below() && !departs_about && self.climb.is_known(edge_us, now_us);
+        if is_other_fall {
+            self.character.disregard_changes();
+        }
         if self.unmoved_us != Some(edge_us) {
             self.has_departed |= departs_about;
             let has_shown = Self::has_lasted(edge_us, now_us, self.config.window_s);
+            if is_other_fall {
+                self.character.call_blind();
+            }
             let is_unmoved = has_shown && !self.has_departed && self.character.is_known(now_us);
             self.unmoved_us = is_unmoved.then_some(edge_us);
         }
@@ -75,28 +87,37 @@ impl LaunchDetector {
             Messages::Alive if !is_over => return Verdict::Suspected,
             Messages::Alive | Messages::FellSilent | Messages::Absent => {}
         }
-        let motion = self.motion_since(edge_us, now_us, departs_about);
+        let motion = self.motion_since(edge_us, now_us, is_other_fall);
         // Without a captive character only a departure can show a release, and it comes within the window.
         let is_decidable = is_over
             || (motion == Motion::Unchanged
                 && !self.character.is_comparable()
                 && Self::has_lasted(edge_us, now_us, self.config.window_s));
-        match motion {
-            Motion::Changed => Verdict::Launched(match messages {
-                _ if self.has_departed => Confirmation::Force,
-                Messages::Absent => Confirmation::Unconfirmed,
-                _ => Confirmation::Silence,
-            }),
-            _ if !is_decidable => Verdict::Suspected,
-            Motion::NotKnown if !is_early && self.waits_for_climb(edge_us, now_us) => Verdict::Suspected,
-            Motion::Departed | Motion::NotKnown if !is_early => Verdict::Launched(Confirmation::Unconfirmed),
-            Motion::Departed | Motion::NotKnown | Motion::Unchanged => {
-                self.wire.call_broken();
-                count(&mut self.counts.torn_cables);
-                self.refuted_silence_us = self.link.last_us();
-                Verdict::Captive
+        let is_free = match motion {
+            Motion::Changed => {
+                return Verdict::Launched(match messages {
+                    _ if self.has_departed => Confirmation::Force,
+                    Messages::Absent => Confirmation::Unconfirmed,
+                    _ => Confirmation::Silence,
+                });
             }
+            _ if !is_decidable => return Verdict::Suspected,
+            Motion::NotKnown if !is_early && self.climbs_as_before(edge_us, now_us) => {
+                if !Self::has_lasted(edge_us, now_us, UNSHOWN_S) {
+                    return Verdict::Suspected;
+                }
+                is_other_fall || !self.character.lives(now_us)
+            }
+            Motion::Departed | Motion::NotKnown => !is_early,
+            Motion::Unchanged => false,
+        };
+        if is_free {
+            return Verdict::Launched(Confirmation::Unconfirmed);
         }
+        self.wire.call_broken();
+        count(&mut self.counts.torn_cables);
+        self.refuted_silence_us = self.link.last_us();
+        Verdict::Captive
     }
 
     fn messages_since(&self, edge_us: u64, now_us: u64) -> Messages {
@@ -111,13 +132,7 @@ impl LaunchDetector {
         }
     }
 
-    fn motion_since(&mut self, edge_us: u64, now_us: u64, departs_about: bool) -> Motion {
-        // A release is felt within the window. A force that became too low before or after it is not the
-        // release's, if the climb rate would show the fall.
-        let is_other_fall = self.force.is_below() && !departs_about && self.climb.is_known(edge_us, now_us);
-        if is_other_fall {
-            self.character.disregard_changes();
-        }
+    fn motion_since(&self, edge_us: u64, now_us: u64, is_other_fall: bool) -> Motion {
         if self.climb.has_fallen(edge_us) || self.character.has_changed() {
             Motion::Changed
         } else if self.has_departed {
@@ -129,12 +144,12 @@ impl LaunchDetector {
         }
     }
 
-    /// A unit that is dead, or reads too little, cannot show whether there was a release: the climb rate is
-    /// the only witness.
-    fn waits_for_climb(&self, edge_us: u64, now_us: u64) -> bool {
+    /// Whether the climb rate is what it was under the pylon. It is the only witness where the unit is dead, or
+    /// was when it would have felt a release.
+    fn climbs_as_before(&self, edge_us: u64, now_us: u64) -> bool {
+        let is_soon = !Self::has_lasted(edge_us, now_us, SOON_S);
         self.character.is_comparable()
             && self.climb.is_known(edge_us, now_us)
-            && !self.climb.is_another()
-            && !Self::has_lasted(edge_us, now_us, UNSHOWN_S)
+            && !self.climb.is_another(is_soon)
     }
 }

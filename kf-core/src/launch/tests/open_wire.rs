@@ -129,7 +129,8 @@ fn without_force_a_torn_cable_is_a_launch_without_confirmation() {
 
 /// A dead unit and a torn cable are no launch while the fixes show the mother ship's climb rate. A release
 /// that a dead unit does not feel is seen in the climb rate: at the limit if the vehicle sinks, when it is
-/// first steered, or after a minute.
+/// first steered, or after a minute. If the unit delivers again by then, and reads what it did under the
+/// pylon, the cable has torn.
 #[test]
 fn with_a_dead_unit_the_climb_rate_decides() {
     for dead in [Now { load: None, ..TORN }, Now { vibration: 0.0, ..TORN }] {
@@ -139,7 +140,7 @@ fn with_a_dead_unit_the_climb_rate_decides() {
             rig.run(2.0, Now { is_sending: true, is_open: Some(false), ..dead });
             rig
         };
-        for change_mps in [-3.0, 3.0] {
+        for change_mps in [-4.4, 4.4] {
             let mut rig = captive();
             let edge_us = rig.now_us() + TICK_US;
             assert_eq!(rig.run(40.0, dead), None);
@@ -156,6 +157,16 @@ fn with_a_dead_unit_the_climb_rate_decides() {
             rig.climb_mps += change_mps;
             let launch = rig.run(60.0, dead).unwrap();
             assert_eq!(launch.confirmed_us - launch.first_edge_us, limit_us);
+        }
+        // In the meantime the carrier has swung by 3 m/s.
+        for climbed_mps in [0.0, 3.0] {
+            let mut rig = captive();
+            assert_eq!(rig.run(5.0, dead), None);
+            assert_eq!(rig.run(54.0, TORN), None);
+            rig.climb_mps += climbed_mps;
+            assert!(rig.suspected_for_s().is_some_and(|suspected_s| suspected_s > 58.0));
+            assert_eq!(rig.run(2.0, TORN), None);
+            assert_eq!((rig.state(), rig.detector.wire()), (LaunchState::Captive, WireCondition::Broken));
         }
         // If the receiver falls silent too, there is no evidence left.
         let mut rig = captive();
@@ -198,6 +209,29 @@ fn a_wire_that_breaks_in_a_fall_that_is_none_is_no_launch() {
         assert_eq!(rig.run(10.0, Now { is_sending: false, ..CAPTIVE }), None);
         assert_eq!(rig.run(0.4, Now { fixes, ..falls }), None);
         assert!(rig.run(3.0, Now { is_open: Some(true), fixes, ..falls }).is_some());
+    }
+}
+
+/// A unit reads a fall from half a second before the wire opens until shortly after it, and then what it read
+/// under the pylon: it would not have felt a release, so the climb rate decides.
+#[test]
+fn a_unit_that_reads_a_fall_as_the_wire_opens_proves_no_torn_cable() {
+    for (is_sending, after_s) in [(true, 0.3), (true, 0.6), (false, 0.3), (false, 0.6)] {
+        let mut rig = Rig::captive();
+        let captive = Now { is_sending, ..CAPTIVE };
+        assert_eq!(rig.run(10.0, captive), None);
+        let falls = Now { load: Some(0.1), fixes: Fixes::Level, ..captive };
+        assert_eq!(rig.run(0.5, falls), None);
+        let edge_us = rig.now_us() + TICK_US;
+        let open = Now { is_open: Some(true), is_sending: false, fixes: Fixes::Level, ..CAPTIVE };
+        assert_eq!(rig.run(after_s, Now { load: Some(0.1), ..open }), None);
+        assert_eq!(rig.run(10.0, open), None);
+        assert!(rig.suspected_for_s().is_some());
+        rig.climb_mps += 4.5;
+        let launch = rig.run(1.0, open).unwrap();
+        assert_eq!(launch.by, Confirmation::Unconfirmed);
+        // Without messages the fall has raised the suspicion.
+        assert_eq!(launch.first_edge_us == edge_us, is_sending);
     }
 }
 
