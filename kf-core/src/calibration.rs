@@ -570,9 +570,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Calibration<HEAD, TAI
     ) {
         let counts = has_settled || tracker.last_fix().is_some_and(|fix| config.quality.accepts(fix));
         let had_jumped = self.reference_level.has_jumped();
-        // Everything is measured against the first fix's level. If it ends within the memory that it is judged
-        // by, the calibration begins again. It was a false one if some fixes were off as the calibration began;
-        // if it was that of the settling time, nothing shows which of the two is right.
+        // Everything is measured against the first fix's level. If it ends within the memory that it is
+        // judged by, the calibration begins again. It was a false one if some fixes were off as the
+        // calibration began; if it was that of the settling time, nothing shows which of the two is right.
         if has_settled && !self.has_fix {
             self.reference_level.restart();
         }

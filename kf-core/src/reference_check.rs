@@ -17,8 +17,8 @@
 //!   wrong by that much, and a refused fix may be right and the altitude carried forward wrong. An error
 //!   counts only if the sensor is beyond its alarm limit by both altitudes, or if the other sensor,
 //!   calibrated before the two disagreed, is within its own limit by the reference and beyond it by the
-//!   alternative altitude. Once both sensors have supported the alternative altitude, neither is such a
-//!   witness: one that comes to support the reference later has moved.
+//!   alternative altitude. Once both sensors have supported one of the two altitudes against the other,
+//!   neither is such a witness: one that comes to support the other later has moved.
 //! - A receiver that contradicted itself until it was lost, or by hundreds of metres, is the reference only
 //!   because there is no better one: it is disputed. Until a sensor is within its alarm limit by it, an error
 //!   is not judged if there is no other sensor to compare with.
@@ -85,7 +85,7 @@ pub(crate) struct Standing {
     /// unknown; NaN while the receiver is disputed ([`ReferenceCheck::is_disputed`]).
     left_m: f32,
     /// Altitude and climb rate disagreed at the launch already, or this is unknown: the sensors may have been
-    /// calibrated with the wrong one. Or both sensors have supported the climb rate since.
+    /// calibrated with the wrong one. Or both sensors have since supported one of the two against the other.
     was_doubted: bool,
     /// When fixes began to be refused, microseconds; 0 while they are good. Not kept over a restart.
     refused_us: u64,
@@ -212,8 +212,8 @@ impl ReferenceCheck {
         self.standing.other_m
     }
 
-    /// Both sensors support the receiver's alternative altitude against the reference. One that comes to
-    /// support the reference later has moved, and is no witness.
+    /// Both sensors support the receiver's alternative altitude against the reference, or the altitude
+    /// carried forward against a fix. One that comes to support the other later has moved, and is no witness.
     #[inline]
     pub(crate) const fn discredit(&mut self) {
         self.standing.was_doubted = true;

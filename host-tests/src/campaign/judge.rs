@@ -643,7 +643,7 @@ impl Judge<'_> {
             let extra = extra.saturating_sub(self.in_vain(self.clean, sensor, launched));
             let allowed = (to - from) + GRACE_TICKS;
             if extra > allowed && !restarts_captive {
-                // A sensor whose readings are judged or not one by one is not lost because the last one is not.
+                // Where readings are judged or not one by one, a last one that is not is no loss.
                 let seen = self.faulty.ticks.iter().rev().flatten();
                 let is_unmonitored = |seen: &&Seen| seen.trust[sensor.index()] == Trust::Unmonitored;
                 let for_good = seen.take_while(is_unmonitored).count() > allowed;

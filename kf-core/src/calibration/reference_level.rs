@@ -52,8 +52,8 @@ impl ReferenceLevel {
         self.before_m = f32::NAN;
     }
 
-    /// Whether the level leads back to the one of the settling time, if there was one. If so, the level between
-    /// was a false one.
+    /// Whether the level leads back to the one of the settling time, if there was one. If so, the level
+    /// between was a false one.
     pub(super) fn leads_back(&self) -> bool {
         let Self { now_m, before_m, settling_m, .. } = *self;
         // Its distance from that level is larger than the false one's, or equal; NaN is neither.
