@@ -419,7 +419,7 @@ mod tests {
             budgets.image,
             ImageBudget {
                 flash_bytes: 160 * 1024,
-                emulated_flash_bytes: 184 * 1024,
+                emulated_flash_bytes: 184 * 1024 + 512,
                 static_ram_bytes: 40 * 1024
             }
         );
