@@ -14,6 +14,12 @@ fn violations(seed: u64, index: u64) -> Vec<String> {
     judge(&case, &flown).violations.iter().map(|violation| violation.what.clone()).collect()
 }
 
+fn assert_no_violation(runs: &[(u64, u64)]) {
+    for (seed, index) in runs {
+        assert_eq!(violations(*seed, *index), [""; 0], "{seed}: {index}");
+    }
+}
+
 /// The supply dips at the launch. Three quarters of a minute later a unit's altitude is 5 m too high, the
 /// barometer 2 m, and the receiver 3 m too low. How far the receiver explains the two must not depend on what
 /// the dip has left of its climb rate.
@@ -214,17 +220,13 @@ fn an_altitude_that_drifts_to_where_the_receiver_has_jumped_is_no_witness() {
 /// taken again the other sensor has drifted towards it: that is no evidence against the healthy one.
 #[test]
 fn a_sensor_that_drifts_towards_a_receiver_that_is_refused_is_no_witness() {
-    for (seed, index) in [(7073, 997), (7071, 767), (7072, 127), (7056, 866)] {
-        assert_eq!(violations(seed, index), [""; 0], "{seed}: {index}");
-    }
+    assert_no_violation(&[(7073, 997), (7071, 767), (7072, 127), (7056, 866)]);
 }
 
 /// A unit reads free fall from before the release until after it, and then one g again.
 #[test]
 fn a_unit_that_reads_free_fall_during_the_release_does_not_hide_it() {
-    for (seed, index) in [(7071, 591), (7072, 1646)] {
-        assert_eq!(violations(seed, index), [""; 0], "{seed}: {index}");
-    }
+    assert_no_violation(&[(7071, 591), (7072, 1646)]);
 }
 
 /// A receiver jumps by 16 m soon after the calibration has begun: nothing shows which level is right.
@@ -260,15 +262,11 @@ fn a_torn_cable_is_no_launch_when_the_supply_dips_after_it() {
 /// it are none either.
 #[test]
 fn a_shaken_unit_is_silent_no_longer_than_it_is_shaken() {
-    for (seed, index) in [(7015, 1668), (7056, 1008), (7064, 337), (7064, 2388)] {
-        assert_eq!(violations(seed, index), [""; 0], "{seed}: {index}");
-    }
+    assert_no_violation(&[(7015, 1668), (7056, 1008), (7064, 337), (7064, 2388)]);
 }
 
 /// A receiver's velocity is wrong, or a force, while the level is being found by velocities.
 #[test]
 fn what_disturbs_a_match_with_velocities_does_not_begin_the_level_anew() {
-    for (seed, index) in [(7061, 1958), (7063, 719)] {
-        assert_eq!(violations(seed, index), [""; 0], "{seed}: {index}");
-    }
+    assert_no_violation(&[(7061, 1958), (7063, 719)]);
 }

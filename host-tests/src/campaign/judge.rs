@@ -641,12 +641,9 @@ impl Judge<'_> {
         for sensor in FREE {
             let extra = self.in_vain(self.faulty, sensor, launched);
             let extra = extra.saturating_sub(self.in_vain(self.clean, sensor, launched));
-            let allowed = (to - from) + GRACE_TICKS;
-            if extra > allowed && !restarts_captive {
-                // Where readings are judged or not one by one, a last one that is not is no loss.
-                let seen = self.faulty.ticks.iter().rev().flatten();
-                let is_unmonitored = |seen: &&Seen| seen.trust[sensor.index()] == Trust::Unmonitored;
-                let for_good = seen.take_while(is_unmonitored).count() > allowed;
+            if extra > (to - from) + GRACE_TICKS && !restarts_captive {
+                let last = self.faulty.ticks.iter().rev().flatten().next();
+                let for_good = last.is_some_and(|seen| seen.trust[sensor.index()] == Trust::Unmonitored);
                 let invariant = if for_good { Invariant::Permanent } else { Invariant::Transient };
                 self.broken(
                     invariant,

@@ -36,7 +36,8 @@ impl ReferenceLevel {
     pub(super) const NEW: Self =
         Self { now_m: 0.0, before_m: f32::NAN, settling_m: f32::NAN, has_jumped: false };
 
-    /// Forgets the levels. The argument: whether one of them has jumped.
+    /// Forgets the levels; [`Self::restart`] replaces the settling time's. The argument: whether one of them
+    /// has jumped.
     pub(super) const fn forget(&mut self, has_jumped: bool) {
         self.before_m = f32::NAN;
         self.has_jumped = has_jumped;

@@ -9,7 +9,7 @@ const FALL_MPS: f32 = 5.0;
 /// changes its climb rate as soon as it is steered. In a few seconds gusts and swings of a mother ship move
 /// her by half of it.
 const OWN_MPS: f32 = 2.0;
-/// The same later: in a minute she is once at the top of her swings, and once at the bottom.
+/// The same later: in a minute she moves by twice as much, from the bottom of her swings to the top.
 const LATER_MPS: f32 = 4.0;
 /// Largest age of a fix that counts, microseconds: at 1 Hz, one may be late.
 const FRESH_US: u64 = 1_500_000;

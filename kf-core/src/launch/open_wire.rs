@@ -10,8 +10,8 @@ use crate::time::microseconds;
 /// carrier's crew sees most faults that last a minute. If the unit is still dead, it is a launch: if the cable
 /// has torn, two faults make a false launch; if the vehicle was released, one fault hides it for this long.
 const UNSHOWN_S: f32 = 60.0;
-/// For this long a small change of the climb rate shows a release, seconds: what was lost by it is lost by
-/// then, and the carrier has hardly swung.
+/// For this long a small change of the climb rate shows a release, seconds. It is twice the limit: a vehicle
+/// that sinks has lost that much by then, and a carrier's swings last longer.
 const SOON_S: f32 = 6.0;
 
 /// The table's column "messages".
