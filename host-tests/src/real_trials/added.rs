@@ -25,9 +25,16 @@ pub const UNITS: [Injection; 9] = [
     Injection::DynamicPressure(-0.1),
 ];
 
-/// An injection of that kind with a drawn size, within what nature allows; `None` where that is not over
-/// twice the noise, or where the flight lacks a signal that it needs.
-pub fn sized(unit: Injection, flight: &Flight, track: &Track, random: &mut ChaCha8Rng) -> Option<Injection> {
+/// An injection of that kind with a drawn size, so that its sum with the flight's own coefficient is within
+/// what nature allows; `None` where that is not over twice the noise, or where the flight lacks a signal that
+/// it needs.
+pub fn sized(
+    unit: Injection,
+    own: f64,
+    flight: &Flight,
+    track: &Track,
+    random: &mut ChaCha8Rng,
+) -> Option<Injection> {
     let size = (SIZES.start.ln() + (SIZES.end / SIZES.start).ln() * random.random::<f64>()).exp();
     let mut one = flight.clone();
     unit.inject(&mut one).ok()?;
@@ -42,7 +49,7 @@ pub fn sized(unit: Injection, flight: &Flight, track: &Track, random: &mut ChaCh
     let bounds = EffectId::from_name(unit.effect())?.plausible();
     let largest = f64::from(if unit.coefficient() > 0.0 { bounds[1] } else { bounds[0] });
     let least = SIZES.start * noise_m / spread_m;
-    let most = largest / unit.coefficient();
+    let most = (largest - own) / unit.coefficient();
     (least <= most).then(|| unit.times((size * noise_m / spread_m).min(most)))
 }
 

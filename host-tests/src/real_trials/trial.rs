@@ -126,7 +126,7 @@ pub fn of_log(log: &Log, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
     for (k, unit) in UNITS.into_iter().enumerate() {
         let seed = seed.wrapping_add(100 + k as u64);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        if let Some(injection) = sized(unit, &clean, &track, &mut random) {
+        if let Some(injection) = sized(unit, 0.0, &clean, &track, &mut random) {
             let mut flight = clean.clone();
             if injection.inject(&mut flight).is_ok() {
                 let has_airspeed = k % 2 == 1;
@@ -141,7 +141,9 @@ pub fn of_log(log: &Log, done: &(dyn Fn() + Sync)) -> Vec<Outcome> {
         if is_against || matches!(unit, Injection::LagLowPass(_)) {
             continue;
         }
-        if let Some(injection) = sized(unit, &log.flight, &track, &mut random) {
+        // Both together must be within the physical range.
+        let reported = if said_of(plain).contains(&unit.effect()) { own } else { 0.0 };
+        if let Some(injection) = sized(unit, reported, &log.flight, &track, &mut random) {
             let mut flight = log.flight.clone();
             if injection.inject(&mut flight).is_ok() {
                 run(Case::Added(injection), &flight, said_of(plain));

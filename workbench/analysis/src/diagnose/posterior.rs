@@ -9,30 +9,32 @@
 //!
 //! The noise is not a Gauss-Markov process and the formulas are not exact, so the likelihood is raised to a
 //! power below one (Miller and Dunson, "Robust Bayesian inference via coarsening", Journal of the American
-//! Statistical Association 114, 2019). With that power the probabilities are right as often as they state, on
-//! the development half of `docs/blind-trials.md`.
+//! Statistical Association 114, 2019). Sets are compared with the best one pair by pair, each pair with a
+//! power of its own ([`Weigher::ahead`]). With these powers the probabilities are right about as often as they
+//! state, on the development half of `docs/blind-trials.md`.
 //!
 //! A pressure altitude differs from the height in proportion to the air's deviation from the standard
 //! temperature. So each set includes a scale, with a prior of one kelvin where the set has no scale effect.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 use kf_core::effect::EffectId;
 
 use super::coefficient_prior::CoefficientPrior;
 use super::information::Information;
 use super::problem::{NoiseFit, Problem};
+use super::repeatability::{inflation, repeatability};
 use super::rivals::Rivals;
 use super::roughness::unsteadiness;
 use super::search::{Explanation, MOST_EFFECTS, Search};
+use super::shape_error;
 use super::suspects::Suspects;
 use crate::progress::{Cancelled, Progress, step};
 
-/// The power of the likelihood: by the reliability diagram of `cargo xtask real-trials --half development`.
+/// The power of the likelihood where formulas are exact: by the reliability diagram of `cargo xtask real-trials --half development`.
 pub const POWER: f64 = 0.7;
-/// The share (squares) of what the effects explain that errors of formulas and signals may make. The
-/// likelihood's power falls with it, so that what an effect leaves because its formula is not exact is not
-/// attributed to another effect.
+/// The share (squares) of what the effects explain that errors of formulas and signals may make.
 pub const SHAPE: f64 = 0.01;
 /// Prior probability that an effect acts.
 pub(super) const INCLUSION: f64 = 0.1;
@@ -43,28 +45,32 @@ const WINDOW: f64 = 6.0;
 const REFITTED: usize = 3;
 const ROUNDS: usize = 6;
 
+/// A noise, and the normal equations of all usable columns under it.
+struct Basis {
+    fit: NoiseFit,
+    information: Information,
+}
+
 /// A set of effects.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 struct Weighed {
-    /// Its columns, ascending, each effect's most probable one.
-    columns: Vec<usize>,
-    /// Natural logarithm of its probability, up to a constant.
+    /// Its columns without the scale, ascending, each effect's most probable one.
+    bare: Vec<usize>,
+    /// Whether a scale effect is in it, too.
+    has_scale: bool,
+    basis: Rc<Basis>,
+    /// Natural logarithm of the likelihood.
+    likelihood: f64,
+    /// Natural logarithm of its weight with [`POWER`], up to a constant.
     log_weight: f64,
 }
 
 /// Probabilities of sets of effects.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Posterior {
     /// Sets with their probabilities, the most probable first.
     sets: Vec<(Vec<usize>, f64)>,
     effects: BTreeMap<usize, EffectId>,
-}
-
-/// A set and its noise; the set's columns exclude the scale's.
-#[derive(Clone)]
-struct Looked {
-    columns: Vec<usize>,
-    fit: NoiseFit,
 }
 
 /// Weighs the sets around the one that a search found.
@@ -80,37 +86,39 @@ pub fn posterior(
 ) -> Result<Posterior, Cancelled> {
     let effect = |column: usize| suspects.candidate(column).effect();
     let scale = suspects.usable().iter().copied().find(|column| effect(*column) == EffectId::BaroScale);
-    let mut weigher = Weigher { suspects, problem, scale, power: POWER };
+    let mut weigher = Weigher { suspects, problem, scale, inflation: BTreeMap::new() };
     let mut sets: BTreeMap<Vec<EffectId>, Weighed> = BTreeMap::new();
-    let mut refitted: BTreeMap<Vec<EffectId>, Looked> = BTreeMap::new();
-    let start: Vec<usize> = found.columns.iter().copied().filter(|column| Some(*column) != scale).collect();
-    let mut best = weigher.look(search, &start, &found.fit.values);
+    let mut refitted: BTreeSet<Vec<EffectId>> = BTreeSet::new();
+    let mut start: Vec<usize> = Vec::new();
+    for column in found.columns.iter().copied().filter(|column| Some(*column) != scale) {
+        if !weigher.has_like(&start, column) {
+            start.push(column);
+        }
+    }
+    let basis = weigher.basis(search, &start, &found.fit.values);
     step(progress)?;
-    weigher.temper(&best);
-    let mut best_weight = f64::NEG_INFINITY;
+    refitted.insert(weigher.effects(&start));
+    let mut best: Option<Weighed> = None;
+    for (effects, weighed) in weigher.weigh(&basis, &start) {
+        best = Some(weigher.heavier(best, &weighed));
+        sets.insert(effects, weighed);
+    }
+    let Some(mut best) = best else { return Ok(Posterior::default()) };
     for _ in 0..ROUNDS {
         // First all sets around the best one under its noise, then the nearest ones with their own.
-        let information = suspects.information(problem, &best.fit.noise);
-        refitted.insert(weigher.effects(&best.columns), best.clone());
-        let around = weigher.around(&information, &best);
-        for (effects, weighed) in weigher.weigh(&information, &best.columns, &best.fit) {
-            best_weight = best_weight.max(weighed.log_weight);
-            sets.insert(effects, weighed);
-        }
         let mut near: Vec<(f64, Vec<usize>)> = Vec::new();
-        for columns in around {
-            for (effects, weighed) in weigher.weigh(&information, &columns, &best.fit) {
-                let bare: Vec<usize> =
-                    weighed.columns.iter().copied().filter(|column| Some(*column) != scale).collect();
-                let is_known = refitted.contains_key(&weigher.effects(&bare));
-                if !is_known && weighed.log_weight > best_weight - WINDOW {
-                    near.push((weighed.log_weight, bare));
+        for columns in weigher.around(&best) {
+            for (effects, weighed) in weigher.weigh(&best.basis, &columns) {
+                if refitted.contains(&weigher.effects(&weighed.bare)) {
+                    continue;
                 }
-                if !is_known {
-                    let slot = sets.entry(effects).or_insert_with(|| weighed.clone());
-                    if weighed.log_weight > slot.log_weight {
-                        *slot = weighed;
-                    }
+                let ahead = weigher.ahead(&weighed, &best);
+                if ahead > -WINDOW {
+                    near.push((ahead, weighed.bare.clone()));
+                }
+                let slot = sets.entry(effects).or_insert_with(|| weighed.clone());
+                if weighed.log_weight > slot.log_weight {
+                    *slot = weighed;
                 }
             }
         }
@@ -125,32 +133,29 @@ pub fn posterior(
         }
         let count = nearest.len();
         let with_scale: Vec<_> = nearest.iter().map(|(_, columns)| weigher.with_scale(columns)).collect();
-        search.look_at(&with_scale, &best.fit.values);
-        let mut next: Option<(f64, Looked)> = None;
+        let values = best.basis.fit.values.clone();
+        search.look_at(&with_scale, &values);
+        let before = weigher.effects(&best.bare);
+        let mut next = best.clone();
         for (effects, columns) in nearest {
-            let looked = weigher.look(search, &columns, &best.fit.values);
+            let basis = weigher.basis(search, &columns, &values);
             step(progress)?;
-            let information = suspects.information(problem, &looked.fit.noise);
-            let mut most = f64::NEG_INFINITY;
-            for (effects, weighed) in weigher.weigh(&information, &columns, &looked.fit) {
-                most = most.max(weighed.log_weight);
+            for (effects, weighed) in weigher.weigh(&basis, &columns) {
+                next = weigher.heavier(Some(next), &weighed);
                 sets.insert(effects, weighed);
             }
-            refitted.insert(effects, looked.clone());
-            if most > best_weight && next.as_ref().is_none_or(|(weight, _)| most > *weight) {
-                next = Some((most, looked));
-            }
+            refitted.insert(effects);
         }
-        match next {
-            Some((weight, looked)) => {
-                best = looked;
-                best_weight = weight;
-            }
-            None if count < REFITTED => break,
-            None => {}
+        best = next;
+        if weigher.effects(&best.bare) == before && count < REFITTED {
+            break;
         }
     }
-    Ok(weigher.normalised(sets))
+    let columns = weigher.columns(&best);
+    let noise = &best.basis.fit.noise;
+    let factors = inflation(problem, noise, &columns, &repeatability(problem, noise, &columns));
+    weigher.inflation = columns.iter().map(|column| effect(*column)).zip(factors).collect();
+    Ok(weigher.normalised(&sets, &best))
 }
 
 struct Weigher<'a> {
@@ -158,7 +163,9 @@ struct Weigher<'a> {
     problem: &'a Problem<'a>,
     /// The scale's column.
     scale: Option<usize>,
-    power: f64,
+    /// For effects of the best set, the factor by which the variance of their coefficient exceeds that of the
+    /// fit.
+    inflation: BTreeMap<EffectId, f64>,
 }
 
 impl Weigher<'_> {
@@ -169,6 +176,17 @@ impl Weigher<'_> {
         effects
     }
 
+    /// Whether a set has a column's effect, or the one that is the same error of the receiver: with one sensor
+    /// against the receiver, a barometer that warms up and a receiver that converges differ only in sign, and
+    /// both together cancel each other.
+    fn has_like(&self, set: &[usize], column: usize) -> bool {
+        let effect = |column: usize| match self.suspects.candidate(column).effect() {
+            EffectId::GpsConvergence => EffectId::BaroWarmUp,
+            effect => effect,
+        };
+        set.iter().any(|other| effect(*other) == effect(column))
+    }
+
     /// The columns, and the scale's column.
     fn with_scale(&self, columns: &[usize]) -> Vec<usize> {
         let mut all: Vec<usize> = columns.iter().copied().chain(self.scale).collect();
@@ -177,27 +195,71 @@ impl Weigher<'_> {
         all
     }
 
-    fn look(&self, search: &mut Search<'_>, columns: &[usize], start: &[f64]) -> Looked {
+    /// The noise fitted with these columns and the scale.
+    fn basis(&self, search: &mut Search<'_>, columns: &[usize], start: &[f64]) -> Rc<Basis> {
         let fit = search.fit(&self.with_scale(columns), start);
-        Looked { columns: columns.to_vec(), fit }
+        let information = self.suspects.information(self.problem, &fit.noise);
+        Rc::new(Basis { fit, information })
     }
 
-    /// Lowers the power of the likelihood, the more the effects explain.
-    fn temper(&mut self, best: &Looked) {
-        let information = self.suspects.information(self.problem, &best.fit.noise);
-        let rest = |columns: &[usize]| {
-            information.solve(&self.suspects.positions(columns)).map_or(0.0, |solution| solution.rest)
+    /// A set's columns, the scale's among them if it is an effect.
+    fn columns(&self, set: &Weighed) -> Vec<usize> {
+        if set.has_scale { self.with_scale(&set.bare) } else { set.bare.clone() }
+    }
+
+    /// The more probable of two sets.
+    fn heavier(&self, best: Option<Weighed>, other: &Weighed) -> Weighed {
+        match best {
+            Some(best) if self.ahead(other, &best) <= 0.0 => best,
+            _ => other.clone(),
+        }
+    }
+
+    /// The logarithm of a set's odds against another one.
+    ///
+    /// If the one of lower likelihood is right, the errors of its effects' shapes may be what makes the other
+    /// one likelier; so the power of the likelihood falls with the variance that they leave in the direction
+    /// in which both differ ([`shape_error`]), and is no larger than the other one's coefficients there are
+    /// certain ([`inflation`]). A large fast effect thus takes nothing from the evidence for a slow one. For a
+    /// set that is far behind, an upper bound is returned.
+    fn ahead(&self, set: &Weighed, other: &Weighed) -> f64 {
+        let at = |power: f64| match (self.log_weight(set, power), self.log_weight(other, power)) {
+            (Some(of_set), Some(of_other)) => of_set - of_other,
+            _ => f64::NEG_INFINITY,
         };
-        let explained = (information.total() - rest(&self.with_scale(&best.columns))).max(0.0);
-        self.power = 1.0 / (1.0 / POWER + 0.5 * SHAPE * explained);
+        let (worse, better) = if set.likelihood < other.likelihood { (set, other) } else { (other, set) };
+        let kept = self.columns(worse);
+        let is_kept = |column: usize| kept.iter().any(|other| self.suspects.same_effect(*other, column));
+        let added: Vec<usize> = self.columns(better).into_iter().filter(|column| !is_kept(*column)).collect();
+        let inflation = added
+            .iter()
+            .filter_map(|column| self.inflation.get(&self.suspects.candidate(*column).effect()).copied());
+        let base = inflation.fold(1.0 / POWER, f64::max);
+        let (whole, information) = (at(1.0 / base), &worse.basis.information);
+        // Nothing acts whose shape could be wrong, or both sets have the same effects.
+        if kept.is_empty() || added.is_empty() {
+            return whole;
+        }
+        let rest = information.solve(&self.suspects.positions(&kept)).map_or(0.0, |solution| solution.rest);
+        // Errors leave most where both differ in one half of the flight only.
+        let most = 0.5 * SHAPE * (information.total() - rest).max(0.0);
+        let least = at(1.0 / (base + most));
+        if whole.max(least) < -2.0 * WINDOW {
+            return whole.max(least);
+        }
+        let noise = &worse.basis.fit.noise;
+        let of_shapes = shape_error::variance(self.problem, self.suspects, noise, &kept, &added);
+        let power = 1.0 / (base + of_shapes.map_or(most, |of_shapes| of_shapes.min(most)));
+        at(power)
     }
 
     /// Sets with one effect less, one more or another one, all without the scale.
-    fn around(&self, information: &Information, best: &Looked) -> Vec<Vec<usize>> {
+    fn around(&self, best: &Weighed) -> Vec<Vec<usize>> {
         let effect = |column: usize| self.suspects.candidate(column).effect();
-        let mut bases = vec![best.columns.clone()];
-        for left_out in &best.columns {
-            bases.push(best.columns.iter().copied().filter(|column| column != left_out).collect());
+        let information = &best.basis.information;
+        let mut bases = vec![best.bare.clone()];
+        for left_out in &best.bare {
+            bases.push(best.bare.iter().copied().filter(|column| column != left_out).collect());
         }
         let mut around = bases.clone();
         around.push(Vec::new());
@@ -208,8 +270,7 @@ impl Weigher<'_> {
             // For each effect, the column that fits best.
             let mut of_effect: BTreeMap<EffectId, (f64, Vec<usize>)> = BTreeMap::new();
             for column in self.suspects.usable().iter().copied() {
-                let is_there = base.iter().any(|other| effect(*other) == effect(column));
-                if is_there || Some(column) == self.scale {
+                if self.has_like(base, column) || Some(column) == self.scale {
                     continue;
                 }
                 let mut set = base.clone();
@@ -227,68 +288,58 @@ impl Weigher<'_> {
         around
     }
 
-    /// The weight of a set of columns under a noise, with the air's scale alone and with a scale effect.
-    fn weigh(
-        &self,
-        information: &Information,
-        columns: &[usize],
-        fit: &NoiseFit,
-    ) -> Vec<(Vec<EffectId>, Weighed)> {
+    /// A set of columns under a noise, with the air's scale alone and with a scale effect.
+    fn weigh(&self, basis: &Rc<Basis>, columns: &[usize]) -> Vec<(Vec<EffectId>, Weighed)> {
         let mut weighed = Vec::new();
         for has_scale in [false, true] {
             if has_scale && (self.scale.is_none() || columns.len() >= MOST_EFFECTS) {
                 continue;
             }
-            let mut set = columns.to_vec();
-            if has_scale {
-                set = self.with_scale(columns);
-            }
-            if let Some(log_weight) = self.log_weight(information, columns, fit, has_scale) {
-                let of_grid = self.of_time_constants(information, columns, fit, has_scale, log_weight);
-                weighed.push((self.effects(&set), Weighed { columns: set, log_weight: of_grid }));
-            }
+            let Some((likelihood, _)) = self.of_columns(basis, columns, has_scale, POWER) else { continue };
+            let basis = Rc::clone(basis);
+            let mut set = Weighed { bare: columns.to_vec(), has_scale, basis, likelihood, log_weight: 0.0 };
+            let Some(log_weight) = self.log_weight(&set, POWER) else { continue };
+            set.log_weight = log_weight;
+            weighed.push((self.effects(&self.columns(&set)), set));
         }
         weighed
     }
 
-    /// The mean over the grids of time constants, one effect after the other.
-    fn of_time_constants(
-        &self,
-        information: &Information,
-        columns: &[usize],
-        fit: &NoiseFit,
-        has_scale: bool,
-        log_weight: f64,
-    ) -> f64 {
+    /// The logarithm of a set's weight with that power of the likelihood: the mean over the grids of time
+    /// constants, one effect after the other.
+    fn log_weight(&self, set: &Weighed, power: f64) -> Option<f64> {
+        let (_, log_weight) = self.of_columns(&set.basis, &set.bare, set.has_scale, power)?;
         let mut sum = log_weight;
-        for (k, column) in columns.iter().enumerate() {
+        for (k, column) in set.bare.iter().enumerate() {
             let grid =
                 self.suspects.usable().iter().filter(|other| self.suspects.same_effect(**other, *column));
             let mut count = 0_u32;
             let mut share = 0.0;
             for other in grid {
                 count += 1;
-                let mut set = columns.to_vec();
-                set[k] = *other;
-                if let Some(weight) = self.log_weight(information, &set, fit, has_scale) {
+                let mut columns = set.bare.clone();
+                columns[k] = *other;
+                if let Some((_, weight)) = self.of_columns(&set.basis, &columns, set.has_scale, power) {
                     share += libm::exp((weight - log_weight).min(0.0));
                 }
             }
             sum += libm::log(share / f64::from(count.max(1)));
         }
-        sum
+        Some(sum)
     }
 
-    fn log_weight(
+    /// The logarithms of the likelihood and of the weight of these columns.
+    fn of_columns(
         &self,
-        information: &Information,
+        basis: &Basis,
         columns: &[usize],
-        fit: &NoiseFit,
         has_scale: bool,
-    ) -> Option<f64> {
+        power: f64,
+    ) -> Option<(f64, f64)> {
+        let Basis { fit, information } = basis;
         let all = self.with_scale(columns);
         let positions = self.suspects.positions(&all);
-        let of_air = unsteadiness(EffectId::BaroScale, false) * self.power.sqrt();
+        let of_air = unsteadiness(EffectId::BaroScale, false) * power.sqrt();
         let believed: Vec<f64> = all
             .iter()
             .map(|column| if Some(*column) == self.scale && !has_scale { of_air } else { f64::INFINITY })
@@ -297,12 +348,12 @@ impl Weigher<'_> {
         let noise = self.problem.prior.log_density(&fit.values);
         let likelihood = 0.5 * information.twice_log_determinant() - 0.5 * solution.rest + noise;
         let n = all.len();
-        let mut weight = self.power * likelihood;
+        let mut weight = power * likelihood;
         // The determinant of the covariance, tempered as the likelihood is.
-        weight += 0.5 * solution.log_determinant
-            + 0.5 * n as f64 * libm::log(2.0 * std::f64::consts::PI / self.power);
+        weight +=
+            0.5 * solution.log_determinant + 0.5 * n as f64 * libm::log(2.0 * std::f64::consts::PI / power);
         for (k, column) in all.iter().enumerate() {
-            let variance = solution.covariance[k * n + k] / self.power;
+            let variance = solution.covariance[k * n + k] / power;
             let effect = self.suspects.candidate(*column).effect();
             if Some(*column) == self.scale && !has_scale {
                 let own = unsteadiness(effect, false);
@@ -316,14 +367,15 @@ impl Weigher<'_> {
                 weight += libm::log(INCLUSION / (1.0 - INCLUSION));
             }
         }
-        Some(weight)
+        Some((likelihood, weight))
     }
 
-    fn normalised(self, sets: BTreeMap<Vec<EffectId>, Weighed>) -> Posterior {
-        let best = sets.values().map(|set| set.log_weight).fold(f64::NEG_INFINITY, f64::max);
-        let total: f64 = sets.values().map(|set| libm::exp(set.log_weight - best)).sum();
+    fn normalised(&self, sets: &BTreeMap<Vec<EffectId>, Weighed>, best: &Weighed) -> Posterior {
+        let weights: Vec<(Vec<usize>, f64)> =
+            sets.values().map(|set| (self.columns(set), libm::exp(self.ahead(set, best)))).collect();
+        let total: f64 = weights.iter().map(|(_, weight)| weight).sum();
         let mut found: Vec<(Vec<usize>, f64)> =
-            sets.into_values().map(|set| (set.columns, libm::exp(set.log_weight - best) / total)).collect();
+            weights.into_iter().map(|(columns, weight)| (columns, weight / total)).collect();
         found.sort_by(|a, b| b.1.total_cmp(&a.1));
         let usable = self.suspects.usable().iter();
         let effects = usable.map(|column| (*column, self.suspects.candidate(*column).effect())).collect();
@@ -463,9 +515,11 @@ mod tests {
         let problem = problem(&flights);
         let information = suspects.information(&problem, &NOISE);
         let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
-        let weigher = Weigher { suspects: &suspects, problem: &problem, scale: None, power: POWER };
+        let weigher =
+            Weigher { suspects: &suspects, problem: &problem, scale: None, inflation: BTreeMap::new() };
         let solution = information.solve(&suspects.positions(&[0])).unwrap();
-        let weight = weigher.log_weight(&information, &[0], &fit, false).unwrap();
+        let basis = Basis { fit, information };
+        let (_, weight) = weigher.of_columns(&basis, &[0], false, POWER).unwrap();
         (weight, solution.coefficients[0], solution.covariance[0] / POWER)
     }
 
@@ -497,13 +551,77 @@ mod tests {
         let problem = problem(&flights);
         let information = suspects.information(&problem, &NOISE);
         let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
-        let weigher = Weigher { suspects: &suspects, problem: &problem, scale: Some(0), power: POWER };
-        let [of_air, of_effect] =
-            [false, true].map(|has_scale| weigher.log_weight(&information, &[], &fit, has_scale).unwrap());
-        assert!(of_effect > of_air + 50.0, "{of_effect} {of_air}");
+        let weigher =
+            Weigher { suspects: &suspects, problem: &problem, scale: Some(0), inflation: BTreeMap::new() };
         // Both are weighed, the set with the scale as one more effect.
-        let weighed = weigher.weigh(&information, &[], &fit);
-        let sets: Vec<Vec<usize>> = weighed.iter().map(|(_, weighed)| weighed.columns.clone()).collect();
+        let weighed = weigher.weigh(&Rc::new(Basis { fit, information }), &[]);
+        let [(_, of_air), (_, of_effect)] = weighed.as_slice() else { panic!("{}", weighed.len()) };
+        assert!(weigher.ahead(of_effect, of_air) > 50.0, "{}", weigher.ahead(of_effect, of_air));
+        let sets: Vec<Vec<usize>> = weighed.iter().map(|(_, set)| weigher.columns(set)).collect();
         assert_eq!(sets, [vec![], vec![0]]);
+    }
+
+    /// A fast lag of 10 m beside a slow drift, the drift in column 1.
+    fn lag_and_drift() -> Small {
+        let slow = |block: usize| block as f64 / 400.0 - 0.5;
+        let lag = |block: usize| sine(0, block);
+        let small = Small::new(400, 2).candidate(EffectId::BaroLag, lag);
+        let small = small.candidate(EffectId::BaroDrift, slow);
+        small.error(|block| 10.0 * lag(block) + 6.0 * slow(block))
+    }
+
+    /// The logarithm of the odds of the lag with the drift against the lag alone, and against the drift
+    /// alone, with that inflation of the drift's variance.
+    fn odds_of_both(inflation: f64) -> [f64; 2] {
+        let small = lag_and_drift();
+        let (flights, suspects) = ([small.series.clone()], small.suspects());
+        let problem = problem(&flights);
+        let information = suspects.information(&problem, &NOISE);
+        let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
+        let basis = Rc::new(Basis { fit, information });
+        let inflation = BTreeMap::from([(EffectId::BaroDrift, inflation)]);
+        let weigher = Weigher { suspects: &suspects, problem: &problem, scale: None, inflation };
+        let set = |columns: &[usize]| weigher.weigh(&basis, columns).remove(0).1;
+        let both = set(&[0, 1]);
+        [set(&[0]), set(&[1])].map(|other| {
+            let (ahead, behind) = (weigher.ahead(&both, &other), weigher.ahead(&other, &both));
+            // Of a set that is hopelessly behind, only an upper bound of the odds is known.
+            assert!((ahead + behind).abs() < 1e-9 || behind < -2.0 * WINDOW, "{ahead} {behind}");
+            ahead
+        })
+    }
+
+    /// The errors of the lag's shape are fast, so they cannot be the slow drift, however much the lag
+    /// explains: the evidence for the drift beside it nearly has the power that it would have alone. If the
+    /// power fell with all that the lag explains, these odds would be less than even.
+    #[test]
+    fn a_slow_effect_counts_beside_a_large_fast_one() {
+        let [drift, lag] = odds_of_both(1.0);
+        assert!(drift > 5.0, "{drift}");
+        assert!(lag > 100.0, "{lag}");
+    }
+
+    /// A coefficient that differs from one part of a flight to the next is evidence of less.
+    #[test]
+    fn an_inflated_coefficient_counts_less() {
+        let [sure, _] = odds_of_both(1.0);
+        let [unsure, of_lag] = odds_of_both(6.0);
+        assert!(unsure < 0.5 * sure, "{unsure} {sure}");
+        assert!((of_lag - odds_of_both(1.0)[1]).abs() < 1e-9);
+    }
+
+    /// A barometer that warms up and a receiver that converges are one error with two signs.
+    #[test]
+    fn warming_up_and_convergence_are_never_in_one_set() {
+        let small = Small::new(60, 3)
+            .candidate(EffectId::BaroWarmUp, |block| sine(0, block))
+            .candidate(EffectId::GpsConvergence, |block| sine(1, block))
+            .candidate(EffectId::BaroDrift, |block| sine(2, block));
+        let (flights, suspects) = ([small.series.clone()], small.suspects());
+        let problem = problem(&flights);
+        let weigher =
+            Weigher { suspects: &suspects, problem: &problem, scale: None, inflation: BTreeMap::new() };
+        assert!(weigher.has_like(&[0], 1) && weigher.has_like(&[1], 0) && weigher.has_like(&[2], 2));
+        assert!(!weigher.has_like(&[0], 2) && !weigher.has_like(&[2], 1) && !weigher.has_like(&[], 0));
     }
 }

@@ -1,6 +1,7 @@
 //! Whether a coefficient repeats from one part of the flights to the next.
 
 use super::information::Information;
+use super::long_run;
 use super::noise::Noise;
 use super::problem::Problem;
 use super::series::Series;
@@ -62,6 +63,20 @@ pub fn repeatability(problem: &Problem<'_>, noise: &Noise, picks: &[usize]) -> V
         }
     });
     judged.collect()
+}
+
+/// The factor by which the variance of each coefficient exceeds that of its fit: the larger of those by its
+/// spread over the parts and by the residual's autocorrelation.
+#[must_use]
+pub fn inflation(
+    problem: &Problem<'_>,
+    noise: &Noise,
+    picks: &[usize],
+    repeat: &[Repeatability],
+) -> Vec<f64> {
+    let long_run = long_run::inflation(problem, noise, picks);
+    let repeat = repeat.iter().map(|repeat| repeat.inflation).chain(std::iter::repeat(1.0));
+    long_run.iter().zip(repeat).map(|(a, b)| a.max(b)).collect()
 }
 
 /// Normal equations of a flight's parts.

@@ -8,8 +8,7 @@ use super::Judge;
 use crate::diagnose::evidence::{self, Fitted};
 use crate::diagnose::held_out;
 use crate::diagnose::held_out_verdict::HeldOutVerdict;
-use crate::diagnose::long_run;
-use crate::diagnose::repeatability::{Repeatability, repeatability};
+use crate::diagnose::repeatability::{Repeatability, inflation, repeatability};
 use crate::diagnose::rivals::Rivals;
 use crate::diagnose::roughness::unsteadiness;
 use crate::diagnose::search::Explanation;
@@ -106,9 +105,7 @@ impl Judge<'_> {
         explanation: &Explanation,
         repeat: &[Repeatability],
     ) -> Vec<f64> {
-        let long_run = long_run::inflation(self.problem, &explanation.fit.noise, &explanation.columns);
-        let repeat = repeat.iter().map(|repeat| repeat.inflation).chain(std::iter::repeat(1.0));
-        long_run.iter().zip(repeat).map(|(a, b)| a.max(b)).collect()
+        inflation(self.problem, &explanation.fit.noise, &explanation.columns, repeat)
     }
 
     /// Two-sided chance of a coefficient as large, times the number of effects tried.
