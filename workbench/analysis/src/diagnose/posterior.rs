@@ -20,6 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use kf_core::effect::EffectId;
+use kf_core::sensor::Sensor;
 
 use super::coefficient_prior::CoefficientPrior;
 use super::information::Information;
@@ -86,7 +87,11 @@ pub fn posterior(
 ) -> Result<Posterior, Cancelled> {
     let effect = |column: usize| suspects.candidate(column).effect();
     let scale = suspects.usable().iter().copied().find(|column| effect(*column) == EffectId::BaroScale);
-    let mut weigher = Weigher { suspects, problem, scale, inflation: BTreeMap::new() };
+    let flies = |sensor: &&Sensor| {
+        sensor.flies_free() && problem.flights.iter().any(|flight| flight.has(sensor.index()))
+    };
+    let is_alone = Sensor::ALL.iter().filter(flies).count() < 2;
+    let mut weigher = Weigher { suspects, problem, scale, is_alone, inflation: BTreeMap::new() };
     let mut sets: BTreeMap<Vec<EffectId>, Weighed> = BTreeMap::new();
     let mut refitted: BTreeSet<Vec<EffectId>> = BTreeSet::new();
     let mut start: Vec<usize> = Vec::new();
@@ -104,7 +109,9 @@ pub fn posterior(
         sets.insert(effects, weighed);
     }
     let Some(mut best) = best else { return Ok(Posterior::default()) };
-    for _ in 0..ROUNDS {
+    let mut rounds = 0;
+    while rounds < ROUNDS {
+        rounds += 1;
         // First all sets around the best one under its noise, then the nearest ones with their own.
         let mut near: Vec<(f64, Vec<usize>)> = Vec::new();
         for columns in weigher.around(&best) {
@@ -147,14 +154,25 @@ pub fn posterior(
             refitted.insert(effects);
         }
         best = next;
-        if weigher.effects(&best.bare) == before && count < REFITTED {
+        if weigher.effects(&best.bare) != before || count == REFITTED {
+            continue;
+        }
+        // Of the best set's effects, those that differ from part to part of the flights are evidence of less:
+        // another set may now be the best one.
+        let columns = weigher.columns(&best);
+        let noise = &best.basis.fit.noise;
+        let factors = inflation(problem, noise, &columns, &repeatability(problem, noise, &columns));
+        step(progress)?;
+        for (column, factor) in columns.iter().zip(factors) {
+            let slot = weigher.inflation.entry(effect(*column)).or_insert(1.0);
+            *slot = slot.max(factor);
+        }
+        let now = sets.values().fold(best.clone(), |most, set| weigher.heavier(Some(most), set));
+        if weigher.effects(&weigher.columns(&now)) == weigher.effects(&columns) {
             break;
         }
+        best = now;
     }
-    let columns = weigher.columns(&best);
-    let noise = &best.basis.fit.noise;
-    let factors = inflation(problem, noise, &columns, &repeatability(problem, noise, &columns));
-    weigher.inflation = columns.iter().map(|column| effect(*column)).zip(factors).collect();
     Ok(weigher.normalised(&sets, &best))
 }
 
@@ -163,6 +181,8 @@ struct Weigher<'a> {
     problem: &'a Problem<'a>,
     /// The scale's column.
     scale: Option<usize>,
+    /// Whether at most one sensor flies free.
+    is_alone: bool,
     /// For effects of the best set, the factor by which the variance of their coefficient exceeds that of the
     /// fit.
     inflation: BTreeMap<EffectId, f64>,
@@ -176,12 +196,13 @@ impl Weigher<'_> {
         effects
     }
 
-    /// Whether a set has a column's effect, or the one that is the same error of the receiver: with one sensor
-    /// against the receiver, a barometer that warms up and a receiver that converges differ only in sign, and
-    /// both together cancel each other.
+    /// Whether a set has a column's effect, or one that is the same with the other sign: with one sensor
+    /// against the receiver, a late barometer is an early receiver, and a barometer that warms up is a
+    /// receiver that converges. Both together would only cancel each other.
     fn has_like(&self, set: &[usize], column: usize) -> bool {
         let effect = |column: usize| match self.suspects.candidate(column).effect() {
-            EffectId::GpsConvergence => EffectId::BaroWarmUp,
+            EffectId::GpsConvergence if self.is_alone => EffectId::BaroWarmUp,
+            EffectId::GpsLatency if self.is_alone => EffectId::BaroLag,
             effect => effect,
         };
         set.iter().any(|other| effect(*other) == effect(column))
@@ -229,8 +250,8 @@ impl Weigher<'_> {
         };
         let (worse, better) = if set.likelihood < other.likelihood { (set, other) } else { (other, set) };
         let kept = self.columns(worse);
-        let is_kept = |column: usize| kept.iter().any(|other| self.suspects.same_effect(*other, column));
-        let added: Vec<usize> = self.columns(better).into_iter().filter(|column| !is_kept(*column)).collect();
+        let added: Vec<usize> =
+            self.columns(better).into_iter().filter(|column| !self.has_like(&kept, *column)).collect();
         let inflation = added
             .iter()
             .filter_map(|column| self.inflation.get(&self.suspects.candidate(*column).effect()).copied());
@@ -249,8 +270,7 @@ impl Weigher<'_> {
         }
         let noise = &worse.basis.fit.noise;
         let of_shapes = shape_error::variance(self.problem, self.suspects, noise, &kept, &added);
-        let power = 1.0 / (base + of_shapes.map_or(most, |of_shapes| of_shapes.min(most)));
-        at(power)
+        at(1.0 / (base + of_shapes.map_or(most, |of_shapes| of_shapes.min(most))))
     }
 
     /// Sets with one effect less, one more or another one, all without the scale.
@@ -515,8 +535,13 @@ mod tests {
         let problem = problem(&flights);
         let information = suspects.information(&problem, &NOISE);
         let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
-        let weigher =
-            Weigher { suspects: &suspects, problem: &problem, scale: None, inflation: BTreeMap::new() };
+        let weigher = Weigher {
+            suspects: &suspects,
+            problem: &problem,
+            scale: None,
+            is_alone: true,
+            inflation: BTreeMap::new(),
+        };
         let solution = information.solve(&suspects.positions(&[0])).unwrap();
         let basis = Basis { fit, information };
         let (_, weight) = weigher.of_columns(&basis, &[0], false, POWER).unwrap();
@@ -551,8 +576,13 @@ mod tests {
         let problem = problem(&flights);
         let information = suspects.information(&problem, &NOISE);
         let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
-        let weigher =
-            Weigher { suspects: &suspects, problem: &problem, scale: Some(0), inflation: BTreeMap::new() };
+        let weigher = Weigher {
+            suspects: &suspects,
+            problem: &problem,
+            scale: Some(0),
+            is_alone: true,
+            inflation: BTreeMap::new(),
+        };
         // Both are weighed, the set with the scale as one more effect.
         let weighed = weigher.weigh(&Rc::new(Basis { fit, information }), &[]);
         let [(_, of_air), (_, of_effect)] = weighed.as_slice() else { panic!("{}", weighed.len()) };
@@ -580,7 +610,8 @@ mod tests {
         let fit = NoiseFit { values: problem.prior.means(), noise: NOISE, twice_log_posterior: 0.0 };
         let basis = Rc::new(Basis { fit, information });
         let inflation = BTreeMap::from([(EffectId::BaroDrift, inflation)]);
-        let weigher = Weigher { suspects: &suspects, problem: &problem, scale: None, inflation };
+        let weigher =
+            Weigher { suspects: &suspects, problem: &problem, scale: None, is_alone: true, inflation };
         let set = |columns: &[usize]| weigher.weigh(&basis, columns).remove(0).1;
         let both = set(&[0, 1]);
         [set(&[0]), set(&[1])].map(|other| {
@@ -610,18 +641,36 @@ mod tests {
         assert!((of_lag - odds_of_both(1.0)[1]).abs() < 1e-9);
     }
 
-    /// A barometer that warms up and a receiver that converges are one error with two signs.
+    /// With one sensor, a lag and a latency, and a warming up and a convergence, are each one error with two
+    /// signs; with another one they differ.
     #[test]
-    fn warming_up_and_convergence_are_never_in_one_set() {
-        let small = Small::new(60, 3)
-            .candidate(EffectId::BaroWarmUp, |block| sine(0, block))
-            .candidate(EffectId::GpsConvergence, |block| sine(1, block))
-            .candidate(EffectId::BaroDrift, |block| sine(2, block));
+    fn one_error_with_two_signs_is_in_a_set_once() {
+        let effects = [
+            EffectId::BaroWarmUp,
+            EffectId::GpsConvergence,
+            EffectId::BaroLag,
+            EffectId::GpsLatency,
+            EffectId::BaroDrift,
+        ];
+        let small = effects.iter().enumerate().fold(Small::new(60, 3), |small, (k, effect)| {
+            small.candidate(*effect, move |block| sine(k, block))
+        });
         let (flights, suspects) = ([small.series.clone()], small.suspects());
         let problem = problem(&flights);
-        let weigher =
-            Weigher { suspects: &suspects, problem: &problem, scale: None, inflation: BTreeMap::new() };
-        assert!(weigher.has_like(&[0], 1) && weigher.has_like(&[1], 0) && weigher.has_like(&[2], 2));
-        assert!(!weigher.has_like(&[0], 2) && !weigher.has_like(&[2], 1) && !weigher.has_like(&[], 0));
+        let mut weigher = Weigher {
+            suspects: &suspects,
+            problem: &problem,
+            scale: None,
+            is_alone: true,
+            inflation: BTreeMap::new(),
+        };
+        let like = |weigher: &Weigher<'_>| -> Vec<(usize, usize)> {
+            let pairs = (0..5).flat_map(|a| (0..5).map(move |b| (a, b)));
+            pairs.filter(|(a, b)| a != b && weigher.has_like(&[*a], *b)).collect()
+        };
+        assert_eq!(like(&weigher), [(0, 1), (1, 0), (2, 3), (3, 2)]);
+        assert!(weigher.has_like(&[1, 4], 4) && !weigher.has_like(&[], 4));
+        weigher.is_alone = false;
+        assert_eq!(like(&weigher), []);
     }
 }
