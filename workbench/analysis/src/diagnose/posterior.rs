@@ -33,7 +33,8 @@ use super::shape_error;
 use super::suspects::Suspects;
 use crate::progress::{Cancelled, Progress, step};
 
-/// The power of the likelihood where formulas are exact: by the reliability diagram of `cargo xtask real-trials --half development`.
+/// The power of the likelihood where formulas are exact: by the reliability diagram of `cargo xtask real-trials
+/// --half development`.
 pub const POWER: f64 = 0.7;
 /// The share (squares) of what the effects explain that errors of formulas and signals may make.
 pub const SHAPE: f64 = 0.01;
@@ -109,9 +110,7 @@ pub fn posterior(
         sets.insert(effects, weighed);
     }
     let Some(mut best) = best else { return Ok(Posterior::default()) };
-    let mut rounds = 0;
-    while rounds < ROUNDS {
-        rounds += 1;
+    for _ in 0..ROUNDS {
         // First all sets around the best one under its noise, then the nearest ones with their own.
         let mut near: Vec<(f64, Vec<usize>)> = Vec::new();
         for columns in weigher.around(&best) {
