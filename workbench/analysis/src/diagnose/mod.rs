@@ -76,6 +76,7 @@ mod suspects;
 mod unknown;
 mod unknown_columns;
 mod wanted_effect;
+mod weigher;
 mod whitener;
 mod wind;
 mod work;

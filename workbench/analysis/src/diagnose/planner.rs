@@ -22,10 +22,10 @@ use super::judge::{SUSPECT, is_lift};
 use super::named_replay::NamedReplay;
 use super::noise::{Noise, NoisePrior};
 use super::outlook::{EffectOutlook, MemberOutlook, Outlook, SetOutlook};
-use super::posterior;
 use super::problem::{Known, Problem};
 use super::rivals;
 use super::roughness::{scale, unsteadiness};
+use super::weigher;
 use super::wind;
 use super::work::{Judged, Work, judged};
 use crate::progress::{Cancelled, Progress};
@@ -187,7 +187,7 @@ impl Planner {
         columns.dedup();
         let is_rough = found.iter().any(|column| suspects.is_rough(*column));
         let tempering = if findings.posterior.is_some() {
-            Tempering { base: 1.0 / posterior::POWER, shape: posterior::SHAPE }
+            Tempering { base: 1.0 / weigher::POWER, shape: weigher::SHAPE }
         } else {
             Tempering { base: 1.0, shape: if is_rough { ROUGH_SHAPE } else { SHAPE } }
         };

@@ -2,7 +2,7 @@
 //! and of the noise.
 
 use executor::Executor;
-use kf_core::sensor::SENSORS;
+use kf_core::sensor::{SENSORS, Sensor};
 use nalgebra::DMatrix;
 
 use super::information::{Information, own_coefficients, own_factor};
@@ -86,6 +86,16 @@ impl<'a> Problem<'a> {
     #[must_use]
     pub const fn own(&self) -> usize {
         SENSORS + self.known.len()
+    }
+
+    /// Whether at most one sensor is in free flight: its movement against the reference may then be the
+    /// reference's own.
+    #[must_use]
+    pub fn is_alone(&self) -> bool {
+        let flies = |sensor: &&Sensor| {
+            sensor.flies_free() && self.flights.iter().any(|flight| flight.has(sensor.index()))
+        };
+        Sensor::ALL.iter().filter(flies).count() < 2
     }
 
     /// The columns of a flight in the whitener's order: residual, its own, regressors.

@@ -8,12 +8,12 @@ use super::coefficient_prior::CoefficientPrior;
 use super::information::{Information, Solution};
 use super::noise::Noise;
 use super::physical_range::stands_in;
-use super::posterior::{INCLUSION, POWER};
 use super::problem::{NoiseFit, Problem};
 use super::search::{Explanation, Search};
 use super::series::BySensor;
 use super::shape_error;
 use super::suspects::Suspects;
+use super::weigher::{INCLUSION, POWER};
 
 /// A pair of candidates is considered where its remainder is smaller than the chosen effect's by this, in
 /// squares under the chosen noise.

@@ -220,15 +220,6 @@ impl Judge<'_> {
         set
     }
 
-    /// Whether at most one sensor is in free flight: its movement against the reference may then be the
-    /// reference's own.
-    fn is_alone(&self) -> bool {
-        let flying = |sensor: &&Sensor| {
-            sensor.flies_free() && self.epochs.iter().any(|epochs| epochs.series.has(sensor.index()))
-        };
-        Sensor::ALL.iter().filter(flying).count() < 2
-    }
-
     fn excitation(&self, findings: &Findings, subject: Option<Sensor>) -> Excitation {
         let columns: Vec<(usize, usize)> = self
             .one_an_effect(findings, subject)

@@ -66,7 +66,7 @@ impl Judge<'_> {
         };
         // With one sensor against the receiver, what the receiver's effects explain counts as explained on it
         // too.
-        let explained = if findings.posterior.is_some() && subject.is_some() && self.is_alone() {
+        let explained = if findings.posterior.is_some() && subject.is_some() && self.problem.is_alone() {
             findings.rivals.iter().map(|rivals| rivals.explained).sum()
         } else {
             places.explained
@@ -157,7 +157,7 @@ impl Judge<'_> {
             &own,
             explained,
             sensor.index(),
-            unknown::Doubts { is_alone: self.is_alone(), has_climb_rate: self.has_climb_rate },
+            unknown::Doubts { is_alone: self.problem.is_alone(), has_climb_rate: self.has_climb_rate },
         );
         let mut remainder = Remainder { is_better: found.is_better, ..Remainder::default() };
         if let Some(first) = found.follows.first() {
@@ -177,7 +177,7 @@ impl Judge<'_> {
             self.regressors_noise_m2(findings, sensor),
         );
         // A receiver is noisier in the air than on the ground, too.
-        if let Some(excess) = excess.filter(|_| !self.is_alone()) {
+        if let Some(excess) = excess.filter(|_| !self.problem.is_alone()) {
             remainder.evidence += excess;
             let wander_m = noise.free_flight_factor * noise.wander.sigma_m;
             remainder.size_m = remainder.size_m.max(wander_m).max(noise.free_white_m);
