@@ -80,3 +80,21 @@ fn lags_of_one_sensor_are_not_pinned_on_it() {
         assert!(range_s.contains(&lag_s), "{name}: {lag_s} s");
     }
 }
+
+/// A paraglider's ten hours, with a clock that is seconds off. Beside that, a scale that is more probable than
+/// nothing is reported as just that: alone, with its own probability and that of nothing, and not as one of
+/// two of which the other is next to impossible.
+#[test]
+fn what_may_be_nothing_is_reported_with_its_probability() {
+    let Some(flight) = import("../igc_many/goigc2_2024-06-05-xct-rsu-01.igc") else { return };
+    let diagnosis = diagnosis(&flight);
+    assert_eq!(diagnosis.missing().collect::<Vec<_>>(), ["baro.lag"]);
+    let sets: Vec<_> = baro(&diagnosis).sets().collect();
+    let [set] = sets.as_slice() else { panic!("{sets:?}") };
+    assert_eq!(set.effects, ["baro.scale"]);
+    let (scale, nothing) = (set.probabilities[0], set.nothing.unwrap());
+    assert!(scale > 0.5 && nothing < 0.5 && (0.9..1.0 + 1e-9).contains(&(scale + nothing)), "{set:?}");
+    // Within a place and over all sets, the effect's probability is nearly the same.
+    let acts = candidate(&diagnosis, "baro.scale").probability.unwrap();
+    assert!((acts - scale).abs() < 0.05, "{acts} {scale}");
+}

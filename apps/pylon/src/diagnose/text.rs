@@ -129,12 +129,33 @@ pub(crate) fn headline(diagnosis: &Diagnosis) -> String {
             "The model fits, but these flights could not have revealed most of what it may lack.".to_owned()
         }
         Verdict::Identified => format!("The model lacks {}.", missing.join(" and ")),
-        Verdict::Indistinguishable => {
-            "The model lacks an effect, and these flights cannot show which of several it is.".to_owned()
-        }
+        Verdict::Indistinguishable => cannot_tell(diagnosis, &missing),
         Verdict::UnknownEffect => {
             "The model lacks something that nothing in the catalogue explains.".to_owned()
         }
+    }
+}
+
+/// The headline where effects cannot be told apart, or perhaps none acts.
+fn cannot_tell(diagnosis: &Diagnosis, missing: &[&str]) -> String {
+    let sets: Vec<_> = diagnosis.sensors.values().flat_map(SensorDiagnosis::sets).collect();
+    if sets.iter().any(|set| set.nothing.is_none()) {
+        return "The model lacks an effect, and these flights cannot show which of several it is.".to_owned();
+    }
+    let lacks = if missing.is_empty() {
+        "The model may lack".to_owned()
+    } else {
+        format!("The model lacks {}, and may lack", missing.join(" and "))
+    };
+    let mut suspects: Vec<&str> = diagnosis.suspects().collect();
+    suspects.sort_unstable();
+    suspects.dedup();
+    match suspects.as_slice() {
+        [only] => format!("{lacks} {only}: these flights cannot show whether it acts."),
+        _ if missing.is_empty() => {
+            "The model may lack an effect: these flights cannot show which, or whether any acts.".to_owned()
+        }
+        _ => format!("{lacks} another effect: these flights cannot show which, or whether any acts."),
     }
 }
 
@@ -155,13 +176,16 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
             sensor.missing.iter().map(|effect| with_probability(sensor, effect)).collect();
         put!(out, "  missing, strongest first: {}", said.join(", "));
     }
-    for (set, probabilities) in sensor.indistinguishable.iter().zip(&sensor.probabilities) {
-        let said: Vec<String> = set
+    for set in sensor.sets() {
+        let mut said: Vec<String> = set
+            .effects
             .iter()
-            .zip(probabilities)
+            .zip(set.probabilities)
             .map(|(effect, probability)| format!("{effect} ({})", per_cent(*probability)))
             .collect();
-        put!(out, "  one of: {}", said.join(", "));
+        said.extend(set.nothing.map(|nothing| format!("or nothing ({})", per_cent(nothing))));
+        let one_of = if set.effects.len() == 1 { "perhaps" } else { "one of" };
+        put!(out, "  {one_of}: {}", said.join(", "));
     }
     if let Some(factor) = sensor.free_flight_factor.filter(|factor| *factor > 1.5) {
         put!(
@@ -276,5 +300,55 @@ mod tests {
         assert_eq!(probability(0.5), "0.5");
         assert_eq!(probability(3e-5), "3e-5");
         assert_eq!(probability(0.0), "< 1e-12");
+    }
+
+    /// The headline and the lines of a barometer with these sets, the probability of nothing last in each.
+    fn said(missing: &[&'static str], sets: &[(&[&'static str], &[f64], f64)]) -> (String, String) {
+        let sensor = SensorDiagnosis {
+            verdict: Verdict::Indistinguishable,
+            missing: missing.iter().map(|effect| (*effect).into()).collect(),
+            indistinguishable: sets
+                .iter()
+                .map(|(effects, ..)| effects.iter().map(|effect| (*effect).into()).collect())
+                .collect(),
+            probabilities: sets.iter().map(|(_, probabilities, _)| probabilities.to_vec()).collect(),
+            nothing: sets.iter().map(|(.., nothing)| *nothing).collect(),
+            ..SensorDiagnosis::default()
+        };
+        let mut lines = String::new();
+        write_sensor(&mut lines, "baro", &sensor, false, false);
+        let diagnosis = Diagnosis {
+            verdict: Verdict::Indistinguishable,
+            sensors: [("baro".into(), sensor)].into(),
+            ..Diagnosis::default()
+        };
+        (headline(&diagnosis), lines)
+    }
+
+    /// Where nothing may act, nobody reads that an effect is missing.
+    #[test]
+    fn what_may_be_nothing_is_reported_as_a_possibility() {
+        let drift: (&[&'static str], &[f64], f64) = (&["baro.drift"], &[0.57], 0.43);
+        let (headline, lines) = said(&[], &[drift]);
+        assert_eq!(headline, "The model may lack baro.drift: these flights cannot show whether it acts.");
+        assert!(lines.contains("  perhaps: baro.drift (57 %), or nothing (43 %)\n"), "{lines}");
+        let several: (&[&'static str], &[f64], f64) = (&["baro.drift", "baro.scale"], &[0.5, 0.3], 0.2);
+        let (headline, lines) = said(&["baro.lag"], &[several]);
+        assert_eq!(
+            headline,
+            "The model lacks baro.lag, and may lack another effect: these flights cannot show which, or whether any acts."
+        );
+        assert!(
+            lines.contains("  one of: baro.drift (50 %), baro.scale (30 %), or nothing (20 %)\n"),
+            "{lines}"
+        );
+        // One set whose effect acts for sure is enough.
+        let sure: (&[&'static str], &[f64], f64) = (&["baro.lag", "gps.latency"], &[0.6, 0.38], 0.02);
+        let (headline, lines) = said(&[], &[drift, sure]);
+        assert_eq!(
+            headline,
+            "The model lacks an effect, and these flights cannot show which of several it is."
+        );
+        assert!(lines.contains("  one of: baro.lag (60 %), gps.latency (38 %)\n"), "{lines}");
     }
 }

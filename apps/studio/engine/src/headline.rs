@@ -169,9 +169,10 @@ pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
             Headline { sentence, tone: Tone::Caution, effect: Some(effect) }
         }
         Verdict::Indistinguishable => {
-            let set = sensor.indistinguishable.first().map_or(&[][..], Vec::as_slice);
-            let chances = sensor.probabilities.first().map_or(&[][..], Vec::as_slice);
-            let listed: Vec<String> = set
+            let first = sensor.sets().next();
+            let set = first.map_or(&[][..], |set| set.effects);
+            let chances = first.map_or(&[][..], |set| set.probabilities);
+            let mut listed: Vec<String> = set
                 .iter()
                 .enumerate()
                 .map(|(place, effect)| match chances.get(place) {
@@ -179,6 +180,8 @@ pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
                     None => title(effect).to_owned(),
                 })
                 .collect();
+            let nothing = first.and_then(|set| set.nothing);
+            listed.extend(nothing.map(|nothing| format!("chance ({:.0} %)", 100.0 * nothing)));
             let reads = set
                 .first()
                 .and_then(|effect| candidate(sensor, effect))

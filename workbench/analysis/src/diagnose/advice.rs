@@ -49,6 +49,21 @@ pub fn to_separate(
     })
 }
 
+/// The manoeuvre that best shows whether one effect acts; `size` is its fitted coefficient.
+#[must_use]
+pub fn to_show(
+    problem: &Problem<'_>,
+    noise: &Noise,
+    candidates: &[Candidate],
+    column: usize,
+    size: f64,
+    trim: &Trim,
+) -> Option<Advice> {
+    best(problem, noise, candidates, &[column], trim, |information| {
+        Some(size.abs() / information.solve(&[0])?.covariance.first()?.sqrt())
+    })
+}
+
 /// The manoeuvre that best shows the effects that a flight could not show.
 #[must_use]
 pub fn to_see(

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::judge::SUSPECT;
 use crate::name::Name;
 use replay::{Unused, Usage};
 
@@ -22,7 +23,7 @@ pub enum Verdict {
     InsufficientExcitation,
     /// Effects of the catalogue are missing, and no other effect in it could replace them.
     Identified,
-    /// An effect is missing: one of a set that this flight cannot tell apart.
+    /// An effect is missing, one of a set that this flight cannot tell apart; or an effect may be missing.
     Indistinguishable,
     /// A misfit that nothing in the catalogue explains.
     UnknownEffect,
@@ -68,7 +69,7 @@ pub struct Diagnosis {
 
 impl Diagnosis {
     /// The version that this program writes.
-    pub const VERSION: u32 = 2;
+    pub const VERSION: u32 = 3;
 
     /// Ids of the effects that are certainly missing, sensor by sensor.
     pub fn missing(&self) -> impl Iterator<Item = &str> {
@@ -92,12 +93,17 @@ pub struct SensorDiagnosis {
     pub verdict: Verdict,
     /// Ids of the effects that are certainly missing, the strongest first.
     pub missing: Vec<Name>,
-    /// Sets of effect ids: one of each set acts, and the flights cannot tell which. The most probable comes
-    /// first; those below 5 % are not listed, except the second.
+    /// Sets of effect ids: one of each set acts, or none (see `nothing`), and the flights cannot
+    /// tell which. The most probable comes first. Those below 5 % are not listed; but where an effect does
+    /// act, the second is.
     pub indistinguishable: Vec<Vec<Name>>,
-    /// Probability of each effect of a set, in the order of `indistinguishable`. What remains to 1 belongs to
-    /// effects that are not listed.
+    /// Probability of each effect of a set, in the order of `indistinguishable`. What remains to 1 is that of
+    /// nothing, and of effects that are not listed.
     pub probabilities: Vec<Vec<f64>>,
+    /// Probability that no effect acts in the place of a set, in the order of `indistinguishable`. Zero where
+    /// the climb rate is measured: a set then has passed a test of significance.
+    #[serde(default)]
+    pub nothing: Vec<f64>,
     /// Every effect that was tried: the chosen ones first, then by p-value.
     pub candidates: Vec<CandidateFacts>,
     /// What to do next, in words; empty if nothing is to be done.
@@ -109,7 +115,27 @@ pub struct SensorDiagnosis {
     pub free_flight_factor: Option<f64>,
 }
 
+/// Effects of which one acts, or perhaps none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OneOf<'a> {
+    /// Ids of the effects, the most probable first.
+    pub effects: &'a [Name],
+    /// Their probabilities.
+    pub probabilities: &'a [f64],
+    /// The probability that none of them acts, if it is 5 % or more.
+    pub nothing: Option<f64>,
+}
+
 impl SensorDiagnosis {
+    /// The sets of effects that the flights cannot tell apart.
+    pub fn sets(&self) -> impl Iterator<Item = OneOf<'_>> {
+        self.indistinguishable.iter().enumerate().map(|(at, effects)| OneOf {
+            effects,
+            probabilities: self.probabilities.get(at).map_or(&[], Vec::as_slice),
+            nothing: self.nothing.get(at).copied().filter(|nothing| *nothing >= SUSPECT),
+        })
+    }
+
     /// Whether an effect is missing for sure.
     #[must_use]
     pub fn lacks(&self, effect: &str) -> bool {
@@ -333,7 +359,8 @@ mod tests {
         let sensor = SensorDiagnosis {
             verdict: Verdict::Indistinguishable,
             indistinguishable: vec![vec!["baro.lag".into(), candidate.effect.clone()]],
-            probabilities: vec![vec![0.75, 0.25]],
+            probabilities: vec![vec![0.625, 0.25]],
+            nothing: vec![0.125],
             candidates: vec![candidate],
             follows: vec![Follows { signal: "flap".to_owned(), lag_s: 2.0, size_m: 0.5, evidence: 20.0 }],
             free_flight_factor: Some(1.25),
@@ -357,5 +384,22 @@ mod tests {
         };
         let json = serde_json::to_string(&written).unwrap();
         assert_eq!(serde_json::from_str::<Diagnosis>(&json).unwrap(), written, "{json}");
+    }
+
+    /// Nothing is offered from 5 % on, and where its probability was not written, not at all.
+    #[test]
+    fn a_set_offers_nothing_where_that_is_probable() {
+        let sensor = SensorDiagnosis {
+            indistinguishable: vec![vec!["baro.drift".into()], vec!["baro.lag".into(), "baro.scale".into()]],
+            probabilities: vec![vec![0.6], vec![0.7, 0.26]],
+            nothing: vec![0.4, 0.04],
+            ..SensorDiagnosis::default()
+        };
+        let nothing: Vec<Option<f64>> = sensor.sets().map(|set| set.nothing).collect();
+        assert_eq!(nothing, [Some(0.4), None]);
+        let first = sensor.sets().next().unwrap();
+        assert_eq!((first.effects, first.probabilities), (&["baro.drift".into()][..], &[0.6][..]));
+        let before = SensorDiagnosis { nothing: Vec::new(), ..sensor };
+        assert!(before.sets().all(|set| set.nothing.is_none()));
     }
 }

@@ -83,8 +83,8 @@ mod work;
 
 pub use beyond_reference::{ErrorSlot, reference_wander};
 pub use diagnosis::{
-    CandidateFacts, DiagnosedFlight, Diagnosis, Follows, Glitch, NoiseFacts, SensorDiagnosis, SensorWander,
-    Untested, Verdict,
+    CandidateFacts, DiagnosedFlight, Diagnosis, Follows, Glitch, NoiseFacts, OneOf, SensorDiagnosis,
+    SensorWander, Untested, Verdict,
 };
 pub use dump::dump;
 pub use envelope::envelope_m;

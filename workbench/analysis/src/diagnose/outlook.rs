@@ -60,7 +60,7 @@ pub struct SetOutlook {
 pub struct MemberOutlook {
     /// Its id.
     pub effect: Name,
-    /// The probability now that this effect is the one that acts.
+    /// The probability now that this effect is the one that acts, if one of the set does.
     pub probability: f64,
     /// The probability that it would be given with the planned flight, if it is the one that acts: the median
     /// over that flight's noise. Null for an effect whose signal the flights lack.

@@ -169,12 +169,14 @@ impl Planner {
         };
         let effects: Vec<Planned> = columns.iter().map(planned).collect();
         let set = |(place, rivals): (usize, &rivals::Rivals)| {
-            let set = judge.set(rivals);
+            let set = judge.set(rivals).effects;
+            // A plan tells the effects apart; that one of them acts is assumed.
+            let any: f64 = set.iter().map(|(_, probability)| probability).sum();
             let column = |effect: EffectId| {
                 let mut all = std::iter::once(rivals.column).chain(rivals.others.iter().copied());
                 all.find(|column| candidates[*column].effect() == effect)
             };
-            let members = set.into_iter().map(|(effect, share)| (effect, share, column(effect)));
+            let members = set.into_iter().map(|(effect, share)| (effect, share / any, column(effect)));
             let members: Vec<_> = members.collect();
             let effects: Vec<EffectId> = members.iter().map(|(effect, ..)| *effect).collect();
             let is_lift = members.iter().all(|(.., column)| column.is_some()) && is_lift(&effects);

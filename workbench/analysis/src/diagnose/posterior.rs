@@ -9,6 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use kf_core::effect::EffectId;
 
+use super::judge::SUSPECT;
 use super::problem::Problem;
 use super::rivals::Rivals;
 use super::search::{Explanation, Search};
@@ -135,39 +136,41 @@ impl Posterior {
         self.share(|set| self.has(set, effect))
     }
 
-    /// What could replace a column of the most probable set: another effect, with its share of the sets that
-    /// contain it but not the column's effect; and the probability that the place is empty.
+    /// What could replace a column of the most probable set: the other effects, with their share of the sets
+    /// without the column's effect; and the probability that the place is empty.
+    ///
+    /// An effect that is as probable beside the column's as without it replaces nothing. So an effect counts
+    /// as a rival if it is more probable without the column's, by as much as makes a suspect, than it would
+    /// be if the two were independent. Of the others only that excess counts.
     #[must_use]
     pub fn rivals(&self, column: usize, chosen: &[usize], explained: f64) -> Rivals {
         let own = self.effects.get(&column).copied();
         let lacks_own = |set: &[usize]| own.is_none_or(|own| !self.has(set, own));
-        let is_chosen = |effect: EffectId| self.has(chosen, effect);
-        let mut columns: BTreeMap<EffectId, (f64, usize)> = BTreeMap::new();
-        for (set, probability) in self.sets.iter().filter(|(set, _)| lacks_own(set)) {
+        let acts = own.map_or(0.0, |own| self.inclusion(own)).max(f64::MIN_POSITIVE);
+        let mut columns: BTreeMap<EffectId, usize> = BTreeMap::new();
+        for (set, _) in self.sets.iter().filter(|(set, _)| lacks_own(set)) {
             for other in set {
-                if let Some(effect) = self.effects.get(other).copied().filter(|effect| !is_chosen(*effect)) {
-                    columns.entry(effect).or_insert((0.0, *other)).0 += probability;
+                if let Some(effect) = self.effects.get(other).filter(|effect| !self.has(chosen, **effect)) {
+                    columns.entry(*effect).or_insert(*other);
                 }
             }
         }
-        let acts = own.map_or(0.0, |own| self.inclusion(own)).max(f64::MIN_POSITIVE);
-        let mut found: Vec<(f64, usize)> = columns.into_values().collect();
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let empty =
-            self.share(|set| lacks_own(set) && set.iter().all(|other| self.has(chosen, self.effects[other])));
-        let mut rivals = Rivals {
-            column,
-            others: Vec::new(),
-            odds: Vec::new(),
-            explained,
-            acts: Some(acts),
-            empty,
-            is_stand_in: false,
-        };
-        for (probability, other) in found {
-            rivals.add(other, probability / acts);
+        let mut found: Vec<(f64, usize)> = Vec::new();
+        let mut rivals: Vec<EffectId> = Vec::new();
+        for (effect, other) in columns {
+            let without = self.share(|set| lacks_own(set) && self.has(set, effect));
+            let beside = self.share(|set| !lacks_own(set) && self.has(set, effect)) / acts;
+            let excess = (without - beside * (1.0 - acts)).max(0.0);
+            if excess >= SUSPECT {
+                rivals.push(effect);
+            }
+            found.push((if excess >= SUSPECT { without } else { excess }, other));
         }
-        rivals
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (others, odds) =
+            found.into_iter().map(|(probability, other)| (other, probability / acts)).unzip();
+        let empty = self.share(|set| lacks_own(set) && !rivals.iter().any(|rival| self.has(set, *rival)));
+        Rivals { column, others, odds, explained, acts: Some(acts), empty, is_stand_in: false }
     }
 
     fn has(&self, set: &[usize], effect: EffectId) -> bool {
@@ -217,10 +220,11 @@ mod tests {
         assert_eq!(found.inclusion(EffectId::GpsLatency), 0.0);
     }
 
-    /// Of the sets without the lag, a scale is in those of 0.3 and a drift in one of 0.1; nothing is in the
-    /// set of 0.05.
+    /// Of the sets without the lag, a scale is in those of 0.3, and never beside it; nothing is in the set of
+    /// 0.05. A drift is in the others as often as beside the lag (0.15 of 0.65, and 0.1 of 0.35), so it
+    /// replaces next to nothing.
     #[test]
-    fn rivals_share_the_sets_without_the_chosen() {
+    fn rivals_replace_the_chosen() {
         let rivals = posterior().rivals(2, &[2], 7.0);
         assert_eq!((rivals.column, rivals.explained), (2, 7.0));
         assert!(
@@ -228,12 +232,21 @@ mod tests {
             "{rivals:?}"
         );
         assert_eq!(rivals.others, [5, 8]);
-        let wanted = [0.3 / 0.65, 0.1 / 0.65];
+        let wanted = [0.3 / 0.65, (0.1 - 0.15 / 0.65 * 0.35) / 0.65];
         assert!(
             rivals.odds.iter().zip(wanted).all(|(odds, wanted)| (odds - wanted).abs() < 1e-12),
             "{rivals:?}"
         );
         // For a chosen drift, only the scale is a rival.
         assert_eq!(posterior().rivals(2, &[2, 8], 7.0).others, [5]);
+    }
+
+    /// An effect that has nothing to do with the chosen one leaves its place as empty as it is.
+    #[test]
+    fn an_independent_effect_is_no_rival() {
+        let mut posterior = posterior();
+        posterior.sets = vec![(vec![2], 0.42), (vec![2, 8], 0.18), (Vec::new(), 0.28), (vec![8], 0.12)];
+        let rivals = posterior.rivals(2, &[2], 7.0);
+        assert!((rivals.empty - 0.4).abs() < 1e-12 && rivals.odds[0].abs() < 1e-12, "{rivals:?}");
     }
 }

@@ -26,7 +26,6 @@
 //!
 //! What effects do to another sensor, or at another time than where the two explanations differ, does not
 //! count.
-//! not count.
 
 use kf_core::sensor::SENSORS;
 use nalgebra::{DMatrix, DVector};

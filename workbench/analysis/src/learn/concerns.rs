@@ -5,7 +5,7 @@ use model::Effect;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::diagnose::{Diagnosis, HeldOutVerdict, Verdict};
+use crate::diagnose::{Diagnosis, HeldOutVerdict, SensorDiagnosis, Verdict};
 
 /// A coefficient within this many sigmas of zero is treated as absent.
 const SIGNIFICANT_SIGMAS: f64 = 3.0;
@@ -40,9 +40,11 @@ pub(super) fn concerns(
             term.coefficient, term.sigma
         ));
     }
-    let mut sets = diagnosis.sensors.values().flat_map(|sensor| &sensor.indistinguishable);
-    if let Some(set) = sets.find(|set| set.iter().any(|other| other == name)) {
-        let others: Vec<&str> = set.iter().map(|other| &**other).filter(|other| *other != name).collect();
+    let mut sets = diagnosis.sensors.values().flat_map(SensorDiagnosis::sets);
+    if let Some(set) = sets.find(|set| set.effects.iter().any(|other| other == name)) {
+        let mut others: Vec<&str> =
+            set.effects.iter().map(|other| &**other).filter(|other| *other != name).collect();
+        others.extend(set.nothing.map(|_| "chance"));
         concerns.push(format!(
             "these flights can't identify it: they can't distinguish it from {} (see `pylon diagnose`)",
             others.join(", ")

@@ -46,9 +46,16 @@ fn of_sensor(name: &str, sensor: &SensorDiagnosis) -> Markup {
                 p { "Missing, strongest first:" }
                 ul { @for id in &sensor.missing { li { (effect(id)) (sure(sensor, id)) } } }
             }
-            @for (set, probabilities) in sensor.indistinguishable.iter().zip(&sensor.probabilities) {
-                p { "One of these is missing, and the flights cannot show which; most probable first:" }
-                ul.group { @for (id, probability) in set.iter().zip(probabilities) { li { (effect(id)) ", " (per_cent(*probability)) } } }
+            @for set in sensor.sets() {
+                @match (set.nothing, set.effects.len()) {
+                    (None, _) => p { "One of these is missing, and the flights cannot show which; most probable first:" }
+                    (Some(_), 1) => p { "This may be missing; the flights cannot show whether it is:" }
+                    (Some(_), _) => p { "One of these may be missing; the flights cannot show which, or whether any is:" }
+                }
+                ul.group {
+                    @for (id, probability) in set.effects.iter().zip(set.probabilities) { li { (effect(id)) ", " (per_cent(*probability)) } }
+                    @if let Some(nothing) = set.nothing { li { "nothing, " (per_cent(nothing)) } }
+                }
             }
             @for follows in &sensor.follows {
                 p {
@@ -128,6 +135,9 @@ fn verdict(sensor: &SensorDiagnosis, candidate: &CandidateFacts) -> String {
     let rivals = sensor.indistinguishable.iter().find(|set| set.contains(&candidate.effect));
     if let Some(set) = rivals {
         let others: Vec<&str> = set.iter().map(|id| &**id).filter(|id| *id != candidate.effect).collect();
+        if others.is_empty() {
+            return "may be missing from the model".to_owned();
+        }
         return format!("indistinguishable from {}", others.join(", "));
     }
     if sensor.missing.contains(&candidate.effect) {
@@ -211,8 +221,13 @@ mod tests {
         let sensor = SensorDiagnosis {
             verdict: Verdict::Indistinguishable,
             missing: vec!["baro.lag".into()],
-            indistinguishable: vec![vec!["baro.angle_of_attack".into(), "baro.acceleration".into()]],
-            probabilities: vec![vec![0.6, 0.4]],
+            indistinguishable: vec![
+                vec!["baro.angle_of_attack".into(), "baro.acceleration".into()],
+                vec!["baro.warm_up".into()],
+                vec!["baro.temperature".into(), "baro.sideslip".into()],
+            ],
+            probabilities: vec![vec![0.6, 0.4], vec![0.7], vec![0.5, 0.2]],
+            nothing: vec![0.0, 0.3, 0.3],
             advice: "fly a level speed sweep".to_owned(),
             follows: vec![Follows { signal: "<flap>".to_owned(), lag_s: 2.0, size_m: 1.5, evidence: 40.0 }],
             free_flight_factor: Some(3.04),
@@ -223,6 +238,7 @@ mod tests {
                 candidate("baro.scale", true, 1e-3),
                 candidate("baro.drift", false, 1e-3),
                 candidate("baro.propwash", false, 0.8),
+                candidate("baro.warm_up", true, 1e-3),
             ],
         };
         for (row, words) in sensor.candidates.iter().zip([
@@ -232,13 +248,17 @@ mod tests {
             "part of the best fit, not certain enough to be named",
             "not strong enough to be named",
             "no sign of it",
+            "may be missing from the model",
         ]) {
             assert_eq!(verdict(&sensor, row), words, "{}", row.effect);
         }
         let page = of_sensor("baro", &sensor).into_string();
         for text in [
             "finding indistinguishable",
-            "the flights cannot show which",
+            "One of these is missing, and the flights cannot show which;",
+            "This may be missing; the flights cannot show whether it is:",
+            "One of these may be missing; the flights cannot show which, or whether any is:",
+            "<li>nothing, 30 %</li>",
             "fly a level speed sweep",
             "&lt;flap&gt;",
             "+0.50 ± 0.10 s",

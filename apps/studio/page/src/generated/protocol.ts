@@ -1670,7 +1670,7 @@ export type MemberOutlook = {
  */
 effect: string, 
 /**
- * The probability now that this effect is the one that acts.
+ * The probability now that this effect is the one that acts, if one of the set does.
  */
 probability: number, 
 /**
@@ -2759,15 +2759,21 @@ verdict: Verdict,
  */
 missing: Array<string>, 
 /**
- * Sets of effect ids: one of each set acts, and the flights cannot tell which. The most probable comes
- * first; those below 5 % are not listed, except the second.
+ * Sets of effect ids: one of each set acts, or none (see `nothing`), and the flights cannot
+ * tell which. The most probable comes first. Those below 5 % are not listed; but where an effect does
+ * act, the second is.
  */
 indistinguishable: Array<Array<string>>, 
 /**
- * Probability of each effect of a set, in the order of `indistinguishable`. What remains to 1 belongs to
- * effects that are not listed.
+ * Probability of each effect of a set, in the order of `indistinguishable`. What remains to 1 is that of
+ * nothing, and of effects that are not listed.
  */
 probabilities: Array<Array<number>>, 
+/**
+ * Probability that no effect acts in the place of a set, in the order of `indistinguishable`. Zero where
+ * the climb rate is measured: a set then has passed a test of significance.
+ */
+nothing: Array<number>, 
 /**
  * Every effect that was tried: the chosen ones first, then by p-value.
  */

@@ -81,7 +81,7 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
   return (
     <>
       <h2 class="pad">{sensorName(name)}: {plain(here.verdict)}</h2>
-      {here.advice.startsWith("One of ") ? null : here.indistinguishable.map((set) => <SetBox key={set.join()} set={set} />)}
+      {/^(One of|Either) /.test(here.advice) ? null : here.indistinguishable.map((set, at) => <SetBox key={set.join()} set={set} nothing={here.nothing[at] ?? 0} />)}
       {here.advice ? (
         <p class="box advice"><b>Next</b> {inWords(here.advice)}{" "}
           <button type="button" class="plain advice-plan" disabled={progress.value !== null} onClick={openPlan}>Plan the next flight…</button>
@@ -113,8 +113,16 @@ function title(effect: string): string {
   return guides.value.get(effect)?.title ?? effect;
 }
 
-function SetBox({ set }: { readonly set: ReadonlyArray<string> }): JSX.Element {
-  return <p class="box set"><b>One of these acts; these flights cannot show which:</b> {set.map(title).join(", ")}.</p>;
+/** As in `pylon diagnose`: that nothing acts is said from 5 % on. */
+const OFFERED = 0.05;
+
+function SetBox({ set, nothing }: { readonly set: ReadonlyArray<string>; readonly nothing: number }): JSX.Element {
+  const mayBeNothing = nothing >= OFFERED;
+  return (
+    <p class="box set">
+      <b>{mayBeNothing ? "One of these may act, or nothing" : "One of these acts; these flights cannot show which"}:</b> {set.map(title).join(", ")}.
+    </p>
+  );
 }
 
 function EffectRow({ row, most }: { readonly row: Row; readonly most: number }): JSX.Element {

@@ -3,7 +3,7 @@
 use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 
-use super::{Findings, Judge, is_lift};
+use super::{Findings, Judge, SUSPECT, Set, is_lift};
 use crate::diagnose::advice;
 use crate::diagnose::diagnosis::{SensorDiagnosis, Verdict};
 use crate::diagnose::manoeuvres::Trim;
@@ -91,9 +91,13 @@ impl Judge<'_> {
         let name = subject.map_or("gps", Sensor::name);
         let explanation = &findings.explanation;
         for (k, rivals) in findings.rivals.iter().enumerate() {
-            let set: Vec<EffectId> = self.set(rivals).into_iter().map(|(effect, _)| effect).collect();
-            if set.len() < 2 || !set.iter().any(|effect| effect.subject().name() == name) {
+            let Set { effects, nothing, is_identified } = self.set(rivals);
+            let set: Vec<EffectId> = effects.into_iter().map(|(effect, _)| effect).collect();
+            if is_identified || !set.iter().any(|effect| effect.subject().name() == name) {
                 continue;
+            }
+            if let [effect] = set.as_slice() {
+                return self.advise_decision(findings, k, *effect, trim);
             }
             let is_listed = |column: &usize| set.contains(&self.candidates[*column].effect());
             let columns: Vec<usize> = std::iter::once(rivals.column)
@@ -173,9 +177,29 @@ impl Judge<'_> {
             } else {
                 ""
             };
-            return format!("One of {} acts.{why}{fly}{other}{record}", names.join(", "));
+            let or_nothing = if nothing >= SUSPECT { ", or nothing" } else { "" };
+            return format!("One of {} acts{or_nothing}.{why}{fly}{other}{record}", names.join(", "));
         }
         String::new()
+    }
+
+    /// What would show whether the only effect in a place acts.
+    fn advise_decision(&self, findings: &Findings, place: usize, effect: EffectId, trim: &Trim) -> String {
+        let chosen = &findings.explanation.columns;
+        let solution = findings.information.solve(&self.suspects.positions(chosen));
+        let size = solution.and_then(|solution| solution.coefficients.get(place).copied());
+        let noise = &findings.explanation.fit.noise;
+        let found = size.and_then(|size| {
+            advice::to_show(self.problem, noise, self.candidates, chosen[place], size, trim)
+        });
+        let fly = match found {
+            Some(advice) if advice.sigmas >= 3.0 => format!(
+                "To find out fly {} (an effect of this size would show by {:.0} sigma).",
+                advice.manoeuvre, advice.sigmas
+            ),
+            _ => "No short manoeuvre would show it: diagnose this flight together with others.".to_owned(),
+        };
+        format!("Either {} acts or nothing. {fly}", effect.name())
     }
 
     /// The trim from which a manoeuvre begins.

@@ -144,7 +144,7 @@ impl Judge<'_> {
         if let Some(posterior) = &findings.posterior {
             return Some(posterior.inclusion(effect));
         }
-        let sets = findings.rivals.iter().map(|rivals| self.set(rivals));
+        let sets = findings.rivals.iter().map(|rivals| self.set(rivals).effects);
         let own = sets.flatten().filter(|(other, _)| *other == effect).map(|(_, probability)| probability);
         own.max_by(f64::total_cmp)
     }

@@ -125,7 +125,7 @@ impl Judge<'_> {
         let is_wanted = |column: &usize| self.candidates[*column].effect() == effect;
         let replaced = |column: &usize| {
             let of_column = findings.rivals.iter().filter(|rivals| rivals.column == *column);
-            of_column.flat_map(|rivals| self.set(rivals)).any(|(other, _)| other == effect)
+            of_column.flat_map(|rivals| self.set(rivals).effects).any(|(other, _)| other == effect)
         };
         let others: Vec<usize> =
             findings.explanation.columns.iter().copied().filter(|column| !replaced(column)).collect();

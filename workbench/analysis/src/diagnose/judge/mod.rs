@@ -28,7 +28,7 @@ use super::suspects::Suspects;
 use crate::progress::{Cancelled, Progress, step};
 
 /// A coefficient whose parts differ by more than this, in mean squares relative to the expected ones, comes
-/// from a wrong formula.
+/// from a wrong formula. Only where sets have no probabilities.
 const UNEVEN: f64 = 5.0;
 
 /// Effects that look alike by the laws of flight, so that one replaces the other when the other's signal was
@@ -69,6 +69,16 @@ pub(crate) struct Judge<'a> {
     pub(super) has_climb_rate: bool,
 }
 
+/// What may act in one place.
+pub(super) struct Set {
+    /// Effects with their probabilities, the most probable first.
+    pub(super) effects: Vec<(EffectId, f64)>,
+    /// The probability that none acts.
+    pub(super) nothing: f64,
+    /// Whether the first effect is identified; there is no other one then.
+    pub(super) is_identified: bool,
+}
+
 /// What the verdicts of all sensors rest on.
 #[derive(Clone, Debug)]
 pub(super) struct Findings {
@@ -83,8 +93,11 @@ pub(super) struct Findings {
 }
 
 impl Findings {
+    /// Whether a coefficient is so much the same in all parts of the flights that its formula can be right.
+    /// Sets with probabilities need no such limit: there, what an uneven coefficient explains counts less
+    /// ([`super::weigher`]).
     fn is_even(&self, at: usize) -> bool {
-        self.repeat.get(at).is_none_or(|repeat| repeat.unevenness < UNEVEN)
+        self.posterior.is_some() || self.repeat.get(at).is_none_or(|repeat| repeat.unevenness < UNEVEN)
     }
 }
 
@@ -168,11 +181,11 @@ impl Judge<'_> {
         Ok((diagnosis, findings))
     }
 
-    /// The effects of a set that cannot be told apart, the most probable first: the chosen one, its rivals,
-    /// and those that lack their signal and would look like one of them, and so are as probable as it. Those
-    /// below [`SUSPECT`] are not listed, except the second: an error that several effects could cause is
-    /// never attributed to one only because the others are improbable.
-    pub(super) fn set(&self, rivals: &Rivals) -> Vec<(EffectId, f64)> {
+    /// What may act in the place of a chosen effect: the effect, its rivals, and those that lack their signal
+    /// and would look like one of them, and so are as probable as it. Those below [`SUSPECT`] are not listed.
+    /// Where something does act, the second one is: an error that several effects could cause is never
+    /// attributed to one only because the others are improbable.
+    pub(super) fn set(&self, rivals: &Rivals) -> Set {
         let own = self.candidates[rivals.column].effect();
         let mut set = vec![(own, 1.0)];
         let others = rivals.others.iter().zip(&rivals.odds);
@@ -207,17 +220,19 @@ impl Judge<'_> {
             }
         }
         set.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let total: f64 = set.iter().map(|(_, odds)| odds).sum();
+        let odds_of_nothing = rivals.acts.map_or(0.0, |acts| rivals.empty / acts);
+        let total = odds_of_nothing + set.iter().map(|(_, odds)| odds).sum::<f64>();
         for (_, odds) in &mut set {
             *odds /= total;
         }
+        let nothing = odds_of_nothing / total;
         let acts = rivals.acts.unwrap_or_else(|| set.first().map_or(0.0, |(_, probability)| *probability));
         if acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
-            return vec![(own, acts)];
+            return Set { effects: vec![(own, acts)], nothing, is_identified: true };
         }
         let listed = set.iter().take_while(|(_, probability)| *probability >= SUSPECT).count();
-        set.truncate(listed.max(2));
-        set
+        set.truncate(listed.max(if nothing >= SUSPECT { 1 } else { 2 }));
+        Set { effects: set, nothing, is_identified: false }
     }
 
     fn excitation(&self, findings: &Findings, subject: Option<Sensor>) -> Excitation {

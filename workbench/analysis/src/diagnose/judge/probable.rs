@@ -7,8 +7,8 @@ use crate::diagnose::rivals::Rivals;
 use crate::diagnose::roughness::unsteadiness;
 use crate::diagnose::search::Explanation;
 
-/// The minimum probability that something acts for a set to be reported.
-const OFFERED: f64 = 0.9;
+/// A place in which most probably nothing acts is not reported.
+const OFFERED: f64 = 0.5;
 
 impl Judge<'_> {
     /// Whether a chosen coefficient is physically impossible, given its reported sigma: then it is not the
@@ -48,7 +48,8 @@ impl Judge<'_> {
         chosen.iter().map(of_column).collect()
     }
 
-    /// The chosen column in whose place most probably nothing acts, if that probability is not small.
+    /// The chosen column in whose place nothing acts with the highest probability, if that is more probable
+    /// than not.
     pub(super) fn doubtful(&self, posterior: &Posterior, explanation: &Explanation) -> Option<usize> {
         let chosen = &explanation.columns;
         let empty = chosen.iter().map(|column| (*column, posterior.rivals(*column, chosen, 0.0).empty));

@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | any, or none | much | unknown effect |
 //! | one effect | little | identified |
-//! | several effects | little | indistinguishable |
+//! | several effects, or one or none | little | indistinguishable |
 //! | an impossible effect | little | unknown effect |
 //! | none | little | no significant misfit, or insufficient excitation |
 
@@ -30,6 +30,8 @@ struct Places {
     missing: Vec<Name>,
     /// The effects that do not, with their probabilities.
     sets: Vec<(Vec<Name>, Vec<f64>)>,
+    /// For each of these sets, the probability that nothing acts.
+    nothing: Vec<f64>,
 }
 
 /// What no effect explains on one sensor.
@@ -81,6 +83,7 @@ impl Judge<'_> {
         if !is_unknown {
             diagnosis.missing = places.missing;
             (diagnosis.indistinguishable, diagnosis.probabilities) = places.sets.into_iter().unzip();
+            diagnosis.nothing = places.nothing;
         }
         diagnosis.advice = self.advise(findings, subject, &diagnosis);
         diagnosis.candidates = self.candidate_facts(findings, subject);
@@ -106,8 +109,10 @@ impl Judge<'_> {
         let explained_beyond = beyond.map(|k| findings.rivals[k].explained).fold(0.0, f64::max);
         for (k, rivals) in findings.rivals.iter().enumerate() {
             let set = self.set(rivals);
-            let concerns =
-                set.iter().any(|(effect, _)| effect.subject().name() == subject.map_or("gps", Sensor::name));
+            let concerns = set
+                .effects
+                .iter()
+                .any(|(effect, _)| effect.subject().name() == subject.map_or("gps", Sensor::name));
             if !concerns {
                 continue;
             }
@@ -115,18 +120,16 @@ impl Judge<'_> {
             places.explained += rivals.explained;
             let can_be_an_effect =
                 findings.is_even(k) && rivals.explained >= explained_beyond && !self.is_beyond(findings, k);
-            let verdict = match set.as_slice() {
-                _ if !can_be_an_effect => Verdict::UnknownEffect,
-                [_] => {
-                    sized.push((size_m, k));
-                    Verdict::Identified
-                }
-                more => {
-                    places
-                        .sets
-                        .push(more.iter().map(|(effect, odds)| (Name::from(effect.name()), *odds)).unzip());
-                    Verdict::Indistinguishable
-                }
+            let verdict = if !can_be_an_effect {
+                Verdict::UnknownEffect
+            } else if set.is_identified {
+                sized.push((size_m, k));
+                Verdict::Identified
+            } else {
+                let effects = set.effects.iter();
+                places.sets.push(effects.map(|(effect, odds)| (Name::from(effect.name()), *odds)).unzip());
+                places.nothing.push(set.nothing);
+                Verdict::Indistinguishable
             };
             if places.strongest.is_none_or(|(size, _)| size_m > size) {
                 places.strongest = Some((size_m, verdict));
