@@ -94,6 +94,8 @@ fn what_may_be_nothing_is_reported_with_its_probability() {
     assert_eq!(set.effects, ["baro.scale"]);
     let (scale, nothing) = (set.probabilities[0], set.nothing.unwrap());
     assert!(scale > 0.5 && nothing < 0.5 && (0.9..1.0 + 1e-9).contains(&(scale + nothing)), "{set:?}");
+    let advice = &baro(&diagnosis).advice;
+    assert!(advice.starts_with("Either baro.scale acts, or nothing does. No short manoeuvre"), "{advice}");
     // Within a place and over all sets, the effect's probability is nearly the same.
     let acts = candidate(&diagnosis, "baro.scale").probability.unwrap();
     assert!((acts - scale).abs() < 0.05, "{acts} {scale}");

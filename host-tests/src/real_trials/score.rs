@@ -19,6 +19,8 @@ pub struct Score {
     pub named: Share,
     /// Injections identified, or in a set of two.
     pub named_or_two: Share,
+    /// The same, where nothing counts as a member of a set, too.
+    pub named_or_two_with_nothing: Share,
     /// Injections identified, or in any set.
     pub held: Share,
     /// Injections with another effect identified that the log did not show before.
@@ -76,6 +78,8 @@ impl Score {
                 let in_set = |most: usize| sets.iter().any(|set| set.len() <= most && set.contains(&effect));
                 self.named.count(is_named);
                 self.named_or_two.count(is_named || in_set(2));
+                self.named_or_two_with_nothing
+                    .count(is_named || outcome.fewest(effect).is_some_and(|few| few <= 2));
                 self.held.count(is_named || in_set(usize::MAX));
                 let is_strange = |other: &&'static str| *other != effect && !outcome.before.contains(other);
                 self.wrong.count(identified.iter().any(is_strange));
@@ -110,6 +114,7 @@ pub fn table(outcomes: &[Outcome]) -> String {
         ("nulls: a set offered", score.null_sets, "<= 5 %"),
         ("injections over twice the noise: named", score.named, ">= 75 %"),
         ("  named, or in a set of two", score.named_or_two, ">= 90 %"),
+        ("  the same, where nothing counts as a member too", score.named_or_two_with_nothing, ""),
         ("  named, or in any set", score.held, ""),
         ("  another effect identified", score.wrong, "<= 2 %"),
         ("logs as they are: a cause identified", score.plain_identified, ""),

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use kf_core::effect::EffectId;
-use pylon::diagnose::Diagnosis;
+use pylon::diagnose::{Diagnosis, SensorDiagnosis};
 use pylon::flight::{Channel, Column, Flight};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -69,6 +69,14 @@ impl Outcome {
             }
         }
         sets
+    }
+
+    /// Members of the smallest set that contains an effect, nothing among them where the set offers it.
+    #[must_use]
+    pub fn fewest(&self, effect: &str) -> Option<usize> {
+        let sets = self.said.iter().flat_map(|d| d.sensors.values()).flat_map(SensorDiagnosis::sets);
+        let holding = sets.filter(|set| set.effects.iter().any(|other| other == effect));
+        holding.map(|set| set.effects.len() + usize::from(set.nothing.is_some())).min()
     }
 
     /// The reported probability of every effect that has one.

@@ -302,8 +302,11 @@ mod tests {
         assert_eq!(probability(0.0), "< 1e-12");
     }
 
-    /// The headline and the lines of a barometer with these sets, the probability of nothing last in each.
-    fn said(missing: &[&'static str], sets: &[(&[&'static str], &[f64], f64)]) -> (String, String) {
+    /// Effects, their probabilities, and that of nothing.
+    type Set = (&'static [&'static str], &'static [f64], Option<f64>);
+
+    /// The headline and the lines of a barometer with these sets.
+    fn said(missing: &[&'static str], sets: &[Set]) -> (String, String) {
         let sensor = SensorDiagnosis {
             verdict: Verdict::Indistinguishable,
             missing: missing.iter().map(|effect| (*effect).into()).collect(),
@@ -325,14 +328,14 @@ mod tests {
         (headline(&diagnosis), lines)
     }
 
-    /// Where nothing may act, nobody reads that an effect is missing.
+    /// Where perhaps nothing acts, the text does not claim that an effect is missing.
     #[test]
     fn what_may_be_nothing_is_reported_as_a_possibility() {
-        let drift: (&[&'static str], &[f64], f64) = (&["baro.drift"], &[0.57], 0.43);
+        let drift: Set = (&["baro.drift"], &[0.57], Some(0.43));
         let (headline, lines) = said(&[], &[drift]);
         assert_eq!(headline, "The model may lack baro.drift: these flights cannot show whether it acts.");
         assert!(lines.contains("  perhaps: baro.drift (57 %), or nothing (43 %)\n"), "{lines}");
-        let several: (&[&'static str], &[f64], f64) = (&["baro.drift", "baro.scale"], &[0.5, 0.3], 0.2);
+        let several: Set = (&["baro.drift", "baro.scale"], &[0.5, 0.3], Some(0.2));
         let (headline, lines) = said(&["baro.lag"], &[several]);
         assert_eq!(
             headline,
@@ -343,7 +346,7 @@ mod tests {
             "{lines}"
         );
         // One set whose effect acts for sure is enough.
-        let sure: (&[&'static str], &[f64], f64) = (&["baro.lag", "gps.latency"], &[0.6, 0.38], 0.02);
+        let sure: Set = (&["baro.lag", "gps.latency"], &[0.6, 0.38], None);
         let (headline, lines) = said(&[], &[drift, sure]);
         assert_eq!(
             headline,

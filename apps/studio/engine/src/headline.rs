@@ -181,7 +181,7 @@ pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
                 })
                 .collect();
             let nothing = first.and_then(|set| set.nothing);
-            listed.extend(nothing.map(|nothing| format!("chance ({:.0} %)", 100.0 * nothing)));
+            listed.extend(nothing.map(|nothing| format!("nothing ({:.0} %)", 100.0 * nothing)));
             let reads = set
                 .first()
                 .and_then(|effect| candidate(sensor, effect))

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::judge::SUSPECT;
 use crate::name::Name;
 use replay::{Unused, Usage};
 
@@ -100,10 +99,10 @@ pub struct SensorDiagnosis {
     /// Probability of each effect of a set, in the order of `indistinguishable`. What remains to 1 is that of
     /// nothing, and of effects that are not listed.
     pub probabilities: Vec<Vec<f64>>,
-    /// Probability that no effect acts in the place of a set, in the order of `indistinguishable`. Zero where
-    /// the climb rate is measured: a set then has passed a test of significance.
+    /// Probability that no effect acts in the place of a set, in the order of `indistinguishable`. Null where
+    /// it is below 5 %, and where the climb rate is measured: a set then has passed a test of significance.
     #[serde(default)]
-    pub nothing: Vec<f64>,
+    pub nothing: Vec<Option<f64>>,
     /// Every effect that was tried: the chosen ones first, then by p-value.
     pub candidates: Vec<CandidateFacts>,
     /// What to do next, in words; empty if nothing is to be done.
@@ -122,7 +121,7 @@ pub struct OneOf<'a> {
     pub effects: &'a [Name],
     /// Their probabilities.
     pub probabilities: &'a [f64],
-    /// The probability that none of them acts, if it is 5 % or more.
+    /// The probability that none of them acts, from 5 % on.
     pub nothing: Option<f64>,
 }
 
@@ -132,7 +131,7 @@ impl SensorDiagnosis {
         self.indistinguishable.iter().enumerate().map(|(at, effects)| OneOf {
             effects,
             probabilities: self.probabilities.get(at).map_or(&[], Vec::as_slice),
-            nothing: self.nothing.get(at).copied().filter(|nothing| *nothing >= SUSPECT),
+            nothing: self.nothing.get(at).copied().flatten(),
         })
     }
 
@@ -360,7 +359,7 @@ mod tests {
             verdict: Verdict::Indistinguishable,
             indistinguishable: vec![vec!["baro.lag".into(), candidate.effect.clone()]],
             probabilities: vec![vec![0.625, 0.25]],
-            nothing: vec![0.125],
+            nothing: vec![Some(0.125)],
             candidates: vec![candidate],
             follows: vec![Follows { signal: "flap".to_owned(), lag_s: 2.0, size_m: 0.5, evidence: 20.0 }],
             free_flight_factor: Some(1.25),
@@ -386,13 +385,13 @@ mod tests {
         assert_eq!(serde_json::from_str::<Diagnosis>(&json).unwrap(), written, "{json}");
     }
 
-    /// Nothing is offered from 5 % on, and where its probability was not written, not at all.
+    /// A set has its own effects, probabilities and nothing; an older result says nothing about nothing.
     #[test]
-    fn a_set_offers_nothing_where_that_is_probable() {
+    fn a_set_is_read_with_the_probability_of_nothing() {
         let sensor = SensorDiagnosis {
             indistinguishable: vec![vec!["baro.drift".into()], vec!["baro.lag".into(), "baro.scale".into()]],
             probabilities: vec![vec![0.6], vec![0.7, 0.26]],
-            nothing: vec![0.4, 0.04],
+            nothing: vec![Some(0.4), None],
             ..SensorDiagnosis::default()
         };
         let nothing: Vec<Option<f64>> = sensor.sets().map(|set| set.nothing).collect();

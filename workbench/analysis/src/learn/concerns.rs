@@ -42,13 +42,14 @@ pub(super) fn concerns(
     }
     let mut sets = diagnosis.sensors.values().flat_map(SensorDiagnosis::sets);
     if let Some(set) = sets.find(|set| set.effects.iter().any(|other| other == name)) {
-        let mut others: Vec<&str> =
+        let others: Vec<&str> =
             set.effects.iter().map(|other| &**other).filter(|other| *other != name).collect();
-        others.extend(set.nothing.map(|_| "chance"));
-        concerns.push(format!(
-            "these flights can't identify it: they can't distinguish it from {} (see `pylon diagnose`)",
-            others.join(", ")
-        ));
+        let why = if others.is_empty() {
+            "they can't show whether it acts".to_owned()
+        } else {
+            format!("they can't distinguish it from {}", others.join(", "))
+        };
+        concerns.push(format!("these flights can't identify it: {why} (see `pylon diagnose`)"));
     }
     if verdict.is_worse {
         let [before, after] =

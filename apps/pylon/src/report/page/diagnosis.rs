@@ -227,7 +227,7 @@ mod tests {
                 vec!["baro.temperature".into(), "baro.sideslip".into()],
             ],
             probabilities: vec![vec![0.6, 0.4], vec![0.7], vec![0.5, 0.2]],
-            nothing: vec![0.0, 0.3, 0.3],
+            nothing: vec![None, Some(0.3), Some(0.3)],
             advice: "fly a level speed sweep".to_owned(),
             follows: vec![Follows { signal: "<flap>".to_owned(), lag_s: 2.0, size_m: 1.5, evidence: 40.0 }],
             free_flight_factor: Some(3.04),

@@ -32,7 +32,7 @@ const WORDS: &[(&str, &str)] = &[
     ("revision", "a change of the model: an effect that was learned, or learned again."),
     (
         "identified, indistinguishable, unknown effect",
-        "one effect explains the misfit; several could, and these flights cannot show which; nothing in the catalogue does.",
+        "one effect explains the misfit; several could, or one may, and these flights cannot show which or whether; nothing in the catalogue does.",
     ),
     ("held out", "judged on data that the coefficient was not learned from."),
 ];

@@ -2770,10 +2770,10 @@ indistinguishable: Array<Array<string>>,
  */
 probabilities: Array<Array<number>>, 
 /**
- * Probability that no effect acts in the place of a set, in the order of `indistinguishable`. Zero where
- * the climb rate is measured: a set then has passed a test of significance.
+ * Probability that no effect acts in the place of a set, in the order of `indistinguishable`. Null where
+ * it is below 5 %, and where the climb rate is measured: a set then has passed a test of significance.
  */
-nothing: Array<number>, 
+nothing: Array<number | null>, 
 /**
  * Every effect that was tried: the chosen ones first, then by p-value.
  */

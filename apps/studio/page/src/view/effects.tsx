@@ -81,7 +81,7 @@ function Found({ name, here, rows }: FoundProps): JSX.Element {
   return (
     <>
       <h2 class="pad">{sensorName(name)}: {plain(here.verdict)}</h2>
-      {/^(One of|Either) /.test(here.advice) ? null : here.indistinguishable.map((set, at) => <SetBox key={set.join()} set={set} nothing={here.nothing[at] ?? 0} />)}
+      {/^(One of|Either) /.test(here.advice) ? null : here.indistinguishable.map((set, at) => <SetBox key={set.join()} set={set} mayBeNothing={typeof here.nothing[at] === "number"} />)}
       {here.advice ? (
         <p class="box advice"><b>Next</b> {inWords(here.advice)}{" "}
           <button type="button" class="plain advice-plan" disabled={progress.value !== null} onClick={openPlan}>Plan the next flight…</button>
@@ -113,11 +113,7 @@ function title(effect: string): string {
   return guides.value.get(effect)?.title ?? effect;
 }
 
-/** As in `pylon diagnose`: that nothing acts is said from 5 % on. */
-const OFFERED = 0.05;
-
-function SetBox({ set, nothing }: { readonly set: ReadonlyArray<string>; readonly nothing: number }): JSX.Element {
-  const mayBeNothing = nothing >= OFFERED;
+function SetBox({ set, mayBeNothing }: { readonly set: ReadonlyArray<string>; readonly mayBeNothing: boolean }): JSX.Element {
   return (
     <p class="box set">
       <b>{mayBeNothing ? "One of these may act, or nothing" : "One of these acts; these flights cannot show which"}:</b> {set.map(title).join(", ")}.

@@ -3,7 +3,7 @@
 use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 
-use super::{Findings, Judge, SUSPECT, Set, is_lift};
+use super::{Findings, Judge, Set, is_lift};
 use crate::diagnose::advice;
 use crate::diagnose::diagnosis::{SensorDiagnosis, Verdict};
 use crate::diagnose::manoeuvres::Trim;
@@ -177,7 +177,7 @@ impl Judge<'_> {
             } else {
                 ""
             };
-            let or_nothing = if nothing >= SUSPECT { ", or nothing" } else { "" };
+            let or_nothing = if nothing.is_some() { ", or nothing does" } else { "" };
             return format!("One of {} acts{or_nothing}.{why}{fly}{other}{record}", names.join(", "));
         }
         String::new()
@@ -199,7 +199,7 @@ impl Judge<'_> {
             ),
             _ => "No short manoeuvre would show it: diagnose this flight together with others.".to_owned(),
         };
-        format!("Either {} acts or nothing. {fly}", effect.name())
+        format!("Either {} acts, or nothing does. {fly}", effect.name())
     }
 
     /// The trim from which a manoeuvre begins.

@@ -73,8 +73,8 @@ pub(crate) struct Judge<'a> {
 pub(super) struct Set {
     /// Effects with their probabilities, the most probable first.
     pub(super) effects: Vec<(EffectId, f64)>,
-    /// The probability that none acts.
-    pub(super) nothing: f64,
+    /// The probability that none acts, from [`SUSPECT`] on.
+    pub(super) nothing: Option<f64>,
     /// Whether the first effect is identified; there is no other one then.
     pub(super) is_identified: bool,
 }
@@ -225,13 +225,13 @@ impl Judge<'_> {
         for (_, odds) in &mut set {
             *odds /= total;
         }
-        let nothing = odds_of_nothing / total;
+        let nothing = Some(odds_of_nothing / total).filter(|nothing| *nothing >= SUSPECT);
         let acts = rivals.acts.unwrap_or_else(|| set.first().map_or(0.0, |(_, probability)| *probability));
         if acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
             return Set { effects: vec![(own, acts)], nothing, is_identified: true };
         }
         let listed = set.iter().take_while(|(_, probability)| *probability >= SUSPECT).count();
-        set.truncate(listed.max(if nothing >= SUSPECT { 1 } else { 2 }));
+        set.truncate(listed.max(if nothing.is_some() { 1 } else { 2 }));
         Set { effects: set, nothing, is_identified: false }
     }
 

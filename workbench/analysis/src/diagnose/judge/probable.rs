@@ -7,8 +7,8 @@ use crate::diagnose::rivals::Rivals;
 use crate::diagnose::roughness::unsteadiness;
 use crate::diagnose::search::Explanation;
 
-/// A place in which most probably nothing acts is not reported.
-const OFFERED: f64 = 0.5;
+/// A place is not reported where nothing acts with more than this probability: more probably than not.
+const EMPTY: f64 = 0.5;
 
 impl Judge<'_> {
     /// Whether a chosen coefficient is physically impossible, given its reported sigma: then it is not the
@@ -48,12 +48,11 @@ impl Judge<'_> {
         chosen.iter().map(of_column).collect()
     }
 
-    /// The chosen column in whose place nothing acts with the highest probability, if that is more probable
-    /// than not.
+    /// The chosen column whose place is most probably empty, if that is more probable than not.
     pub(super) fn doubtful(&self, posterior: &Posterior, explanation: &Explanation) -> Option<usize> {
         let chosen = &explanation.columns;
         let empty = chosen.iter().map(|column| (*column, posterior.rivals(*column, chosen, 0.0).empty));
         let most = empty.max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (most.1 > 1.0 - OFFERED).then_some(most.0)
+        (most.1 > EMPTY).then_some(most.0)
     }
 }

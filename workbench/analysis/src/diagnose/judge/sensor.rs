@@ -30,8 +30,8 @@ struct Places {
     missing: Vec<Name>,
     /// The effects that do not, with their probabilities.
     sets: Vec<(Vec<Name>, Vec<f64>)>,
-    /// For each of these sets, the probability that nothing acts.
-    nothing: Vec<f64>,
+    /// For each of these sets, the probability that nothing acts, if it is not small.
+    nothing: Vec<Option<f64>>,
 }
 
 /// What no effect explains on one sensor.

@@ -12,6 +12,11 @@ const BLOCKS: usize = 400;
 
 /// The barometer's verdict on a flight at a steady airspeed with a roll angle that is `sine(4)`.
 fn of_baro(small: &Small) -> SensorDiagnosis {
+    of_baro_with(small, true)
+}
+
+/// The same with or without a measured climb rate.
+fn of_baro_with(small: &Small, has_climb_rate: bool) -> SensorDiagnosis {
     let roll = |block: usize| 0.4 * sine(4, block);
     let airspeed = |_: usize| 30.0;
     let epochs = [small.epochs(&[("roll_rad", &roll), ("tas_mps", &airspeed)])];
@@ -25,7 +30,7 @@ fn of_baro(small: &Small) -> SensorDiagnosis {
         candidates: &small.candidates,
         suspects: &suspects,
         epochs: &epochs,
-        has_climb_rate: true,
+        has_climb_rate,
     };
     let (diagnosis, _) = judge.verdicts(&mut search, explanation, &mut || ControlFlow::Continue(())).unwrap();
     diagnosis.sensors["baro"].clone()
@@ -61,6 +66,36 @@ fn one_effect_is_identified() {
     assert_eq!(found.missing, ["baro.lag"]);
     let lag = found.candidates.iter().find(|candidate| candidate.effect == "baro.lag").unwrap();
     assert!(lag.chosen && (lag.coefficient - 0.3).abs() < 4.0 * lag.sigma, "{lag:?}");
+}
+
+/// Without a climb rate, a growing effect is first not reported, then perhaps there, alone and with the
+/// probability of nothing, and then identified. The two probabilities make up nearly all, and while the place
+/// is reported, nothing is the less probable. Any climb shows a lag, so one is advised.
+#[test]
+fn a_weak_effect_is_perhaps_there() {
+    let of = |size: f64| {
+        let small = Small::new(BLOCKS, 9).candidate(EffectId::BaroLag, |block| sine(0, block));
+        of_baro_with(&small.error(move |block| size * sine(0, block)), false)
+    };
+    let found: Vec<SensorDiagnosis> = (0..60).map(|k| of(0.01 * f64::from(k))).collect();
+    let stage = |one: &SensorDiagnosis| match one.verdict {
+        Verdict::Indistinguishable => 1,
+        Verdict::Identified => 2,
+        _ => 0,
+    };
+    let stages: Vec<i32> = found.iter().map(stage).collect();
+    assert!(stages.is_sorted() && stages[0] == 0 && stages.contains(&1) && stages[59] == 2, "{stages:?}");
+    let mut most: f64 = 0.0;
+    for one in found.iter().filter(|one| stage(one) == 1) {
+        let set = one.sets().next().unwrap();
+        assert_eq!(set.effects, ["baro.lag"]);
+        let (acts, nothing) = (set.probabilities[0], set.nothing.unwrap());
+        assert!((0.05..0.5).contains(&nothing) && (acts + nothing - 1.0).abs() < 1e-9, "{set:?}");
+        let to_fly = "Either baro.lag acts, or nothing does. To find out fly ";
+        assert!(one.advice.starts_with(to_fly) && one.advice.contains(" sigma)"), "{}", one.advice);
+        most = most.max(nothing);
+    }
+    assert!(most > 0.25, "{most}");
 }
 
 #[test]
