@@ -78,6 +78,42 @@ fn an_error_that_all_sensors_share_is_the_receivers() {
     assert_eq!(diagnosis.missing().collect::<Vec<_>>(), ["gps.latency"], "{diagnosis:?}");
 }
 
+/// A flight whose barometer drifts by this much, m/s, under the pylon too, and nothing else is wrong with it.
+fn drifting(coefficient: f64) -> Diagnosis {
+    let mut scenario = scenario("hidden-static-port.toml");
+    scenario.effect = vec![pylon::simulate::scenario::Effect {
+        id: pylon::simulate::scenario::EffectId::BaroDrift,
+        coefficient,
+        phase: pylon::simulate::scenario::InjectionPhase::Both,
+        time_constant_s: None,
+        width_m: None,
+    }];
+    diagnosed(&scenario, 11, &Model::default())
+}
+
+/// A warming up of 800 s since the flight's start fits better than the catalogue's drift, which begins at
+/// launch; but no other of its time constants does.
+#[test]
+fn a_drift_is_not_taken_for_a_warming_up() {
+    for coefficient in [0.018, 0.022] {
+        let diagnosis = drifting(coefficient);
+        assert_eq!(diagnosis.missing().count(), 0, "{diagnosis:?}");
+        assert!(diagnosis.suspects().any(|suspect| suspect == "baro.drift"), "{diagnosis:?}");
+    }
+}
+
+/// A drift of a metre that is too weak to be named is perhaps there. Because the reference wanders, the other
+/// sensor seems to drift the other way, but not beside the drift.
+#[test]
+fn a_weak_drift_is_perhaps_there_on_its_own_sensor_only() {
+    let diagnosis = drifting(0.010);
+    let baro: Vec<_> = diagnosis.sensors["baro"].sets().collect();
+    let [set] = baro.as_slice() else { panic!("{baro:?}") };
+    assert!(set.effects.iter().any(|effect| effect == "baro.drift"), "{set:?}");
+    assert!(set.nothing.is_some_and(|nothing| (0.05..0.5).contains(&nothing)), "{set:?}");
+    assert_eq!(diagnosis.sensors["imu_slave"].verdict, Verdict::NoSignificantMisfit);
+}
+
 #[test]
 fn a_second_flight_is_held_out_and_never_the_one_learned_from() {
     let directory = tempfile::tempdir().unwrap();

@@ -163,8 +163,15 @@ fn line(trial: &Trial) -> String {
         .sensors
         .iter()
         .map(|(name, sensor)| {
-            let sets: Vec<String> =
-                sensor.indistinguishable.iter().map(|set| format!("{{{}}}", set.join(" "))).collect();
+            let sets: Vec<String> = sensor
+                .sets()
+                .map(|set| {
+                    let nothing = set.nothing.map_or_else(String::new, |nothing| {
+                        format!(", or nothing: {:.0} %", 100.0 * nothing)
+                    });
+                    format!("{{{}{nothing}}}", set.effects.join(" "))
+                })
+                .collect();
             let follows =
                 sensor.follows.first().map_or_else(String::new, |follows| format!(" ~{}", follows.signal));
             format!(

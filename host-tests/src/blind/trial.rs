@@ -49,6 +49,12 @@ impl Trial {
         self.diagnosis.missing().chain(self.diagnosis.suspects()).any(|said| said == id)
     }
 
+    /// Whether the flight has the signals that an effect needs.
+    #[must_use]
+    pub fn could_test(&self, id: &str) -> bool {
+        !self.diagnosis.untested.iter().any(|untested| untested.effect == id)
+    }
+
     /// Whether any sensor has this verdict.
     #[must_use]
     pub fn has_verdict(&self, verdict: Verdict) -> bool {

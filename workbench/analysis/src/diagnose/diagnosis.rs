@@ -100,7 +100,8 @@ pub struct SensorDiagnosis {
     /// nothing, and of effects that are not listed.
     pub probabilities: Vec<Vec<f64>>,
     /// Probability that no effect acts in the place of a set, in the order of `indistinguishable`. Null where
-    /// it is below 5 %, and where the climb rate is measured: a set then has passed a test of significance.
+    /// it is below 5 %; where the climb rate is measured, null where the set has passed a test of
+    /// significance.
     #[serde(default)]
     pub nothing: Vec<Option<f64>>,
     /// Every effect that was tried: the chosen ones first, then by p-value.

@@ -15,7 +15,8 @@
 //! 4. `rivals`: what could replace it.
 //! 5. `unknown`: what nothing in the catalogue explains.
 //! 6. `excitation`, `advice`: what the flight could not have shown, and what to fly.
-//! 7. `judge`: the verdicts, and the `learning_problem` that one effect's coefficient is learned from.
+//! 7. `judge`: the verdicts, what may act weakly where nothing was found, and the `learning_problem` that one
+//!    effect's coefficient is learned from.
 //!
 //! `planner`: what one more flight would show, before it is flown.
 //!

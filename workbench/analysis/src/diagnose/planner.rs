@@ -62,10 +62,11 @@ struct Planned {
     scale: f64,
 }
 
-/// A set that the flights cannot tell apart, in the place of one chosen column.
+/// A set that the flights cannot tell apart.
 #[derive(Clone, Debug)]
 struct Set {
-    place: usize,
+    /// The column in whose place one of the set acts.
+    column: usize,
     members: Vec<(EffectId, f64, Option<usize>)>,
 }
 
@@ -168,7 +169,7 @@ impl Planner {
             }
         };
         let effects: Vec<Planned> = columns.iter().map(planned).collect();
-        let set = |(place, rivals): (usize, &rivals::Rivals)| {
+        let set = |rivals: &rivals::Rivals| {
             let set = judge.set(rivals).effects;
             // A plan tells the effects apart; that one of them acts is assumed.
             let any: f64 = set.iter().map(|(_, probability)| probability).sum();
@@ -180,9 +181,9 @@ impl Planner {
             let members: Vec<_> = members.collect();
             let effects: Vec<EffectId> = members.iter().map(|(effect, ..)| *effect).collect();
             let is_lift = members.iter().all(|(.., column)| column.is_some()) && is_lift(&effects);
-            (members.len() > 1 && !is_lift).then_some(Set { place, members })
+            (members.len() > 1 && !is_lift).then_some(Set { column: rivals.column, members })
         };
-        let sets: Vec<Set> = findings.rivals.iter().enumerate().filter_map(set).collect();
+        let sets: Vec<Set> = findings.rivals.iter().chain(&findings.weak).filter_map(set).collect();
         let of_sets = sets.iter().flat_map(|set| set.members.iter().filter_map(|(.., column)| *column));
         columns.extend(found.iter().copied().chain(of_sets));
         columns.sort_unstable();
@@ -298,9 +299,8 @@ impl Planner {
 
     /// What would be found with the planned flight if this member of a set is the one that acts.
     fn if_it_acts(&self, set: &Set, truth: usize, flown: &Information) -> Option<Would> {
-        let beside: Vec<usize> = (0..self.found.len())
-            .filter(|place| *place != set.place)
-            .map(|place| self.found[place])
+        let found = self.found.iter().copied().filter(|found| *found != set.column);
+        let beside: Vec<usize> = found
             .filter(|other| self.candidates[*other].effect() != self.candidates[truth].effect())
             .collect();
         let with = |column: usize| self.positions(&[beside.as_slice(), &[column]].concat());

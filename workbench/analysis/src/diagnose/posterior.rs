@@ -170,7 +170,17 @@ impl Posterior {
         let (others, odds) =
             found.into_iter().map(|(probability, other)| (other, probability / acts)).unzip();
         let empty = self.share(|set| lacks_own(set) && !rivals.iter().any(|rival| self.has(set, *rival)));
-        Rivals { column, others, odds, explained, acts: Some(acts), empty, is_stand_in: false }
+        let odds_of_nothing = empty / acts;
+        Rivals {
+            column,
+            others,
+            odds,
+            explained,
+            acts: Some(acts),
+            odds_of_nothing,
+            is_stand_in: false,
+            is_weak: false,
+        }
     }
 
     fn has(&self, set: &[usize], effect: EffectId) -> bool {
@@ -228,7 +238,8 @@ mod tests {
         let rivals = posterior().rivals(2, &[2], 7.0);
         assert_eq!((rivals.column, rivals.explained), (2, 7.0));
         assert!(
-            (rivals.acts.unwrap() - 0.65).abs() < 1e-12 && (rivals.empty - 0.05).abs() < 1e-12,
+            (rivals.acts.unwrap() - 0.65).abs() < 1e-12
+                && (rivals.odds_of_nothing - 0.05 / 0.65).abs() < 1e-12,
             "{rivals:?}"
         );
         assert_eq!(rivals.others, [5, 8]);
@@ -247,6 +258,7 @@ mod tests {
         let mut posterior = posterior();
         posterior.sets = vec![(vec![2], 0.42), (vec![2, 8], 0.18), (Vec::new(), 0.28), (vec![8], 0.12)];
         let rivals = posterior.rivals(2, &[2], 7.0);
-        assert!((rivals.empty - 0.4).abs() < 1e-12 && rivals.odds[0].abs() < 1e-12, "{rivals:?}");
+        let as_likely_empty = (rivals.odds_of_nothing - 0.4 / 0.6).abs() < 1e-12;
+        assert!(as_likely_empty && rivals.odds[0].abs() < 1e-12, "{rivals:?}");
     }
 }

@@ -42,11 +42,14 @@ pub struct Rivals {
     /// The probability that the chosen column's effect acts, where sets of effects have probabilities
     /// ([`super::posterior`]).
     pub acts: Option<f64>,
-    /// The probability that nothing acts in this place.
-    pub empty: f64,
+    /// Odds of nothing acting in this place against the chosen one's effect.
+    pub odds_of_nothing: f64,
     /// Whether the chosen effect is larger than physically possible, and so stands in for another one
     /// ([`stands_in`]).
     pub is_stand_in: bool,
+    /// Whether the evidence was too little for the search to choose the effect ([`super::weak_effects`]). It
+    /// is not identified then, however improbable the others are.
+    pub is_weak: bool,
 }
 
 impl Rivals {
@@ -153,17 +156,41 @@ impl Place<'_> {
             odds: Vec::new(),
             explained: self.explained,
             acts: None,
-            empty: 0.0,
+            odds_of_nothing: 0.0,
             is_stand_in: self.is_stand_in,
+            is_weak: false,
         };
+        let share = self.share_of_time_constants();
         for (odds, other) in found {
-            rivals.add(other, odds);
+            rivals.add(other, odds / share);
         }
         rivals
     }
 
     fn effect(&self, column: usize) -> EffectId {
         self.suspects.candidate(column).effect()
+    }
+
+    /// The share of the chosen effect's time constants that fit as well as the chosen one. They are equally
+    /// probable, so an effect that needs a special one is less probable: a drift is a warming up that has not
+    /// yet begun to level off, and one of many time constants fits its noise better.
+    fn share_of_time_constants(&self) -> f64 {
+        let effect = self.effect(self.column);
+        if !effect.has_time_constant() {
+            return 1.0;
+        }
+        let own = self.suspects.usable().iter().copied().filter(|column| self.effect(*column) == effect);
+        let rests: Vec<f64> = own
+            .map(|column| {
+                let set = self.with(&[column]);
+                let solution = self.information.solve(&self.suspects.positions(&set));
+                let possible = solution.filter(|solution| self.suspects.is_possible(&set, solution));
+                possible.map_or(f64::INFINITY, |solution| solution.rest)
+            })
+            .collect();
+        let as_well =
+            rests.iter().map(|rest| libm::exp(-0.5 * self.power * (rest - self.best_rest).max(0.0)));
+        as_well.sum::<f64>() / rests.len() as f64
     }
 
     /// The effects that are not chosen.
@@ -314,12 +341,18 @@ impl Place<'_> {
     /// The price of another effect (the logarithm of its prior odds and of Occam's factor), whose coefficient
     /// is at this position of a solution.
     fn price(&self, column: usize, solution: &Solution, at: usize) -> f64 {
-        let n = solution.coefficients.len();
-        let variance = solution.covariance[at * n + at];
-        let effect = self.effect(column);
-        let prior = CoefficientPrior::of(effect, effect.plausible().map(f64::from));
-        prior.log_density(solution.coefficients[at], variance)
-            + 0.5 * libm::log(2.0 * std::f64::consts::PI * variance)
-            + libm::log(INCLUSION / (1.0 - INCLUSION))
+        price(self.effect(column), solution, at)
     }
+}
+
+/// The price of an effect (the logarithm of its prior odds and of Occam's factor), whose coefficient is at
+/// this position of a solution.
+#[must_use]
+pub fn price(effect: EffectId, solution: &Solution, at: usize) -> f64 {
+    let n = solution.coefficients.len();
+    let variance = solution.covariance[at * n + at];
+    let prior = CoefficientPrior::of(effect, effect.plausible().map(f64::from));
+    prior.log_density(solution.coefficients[at], variance)
+        + 0.5 * libm::log(2.0 * std::f64::consts::PI * variance)
+        + libm::log(INCLUSION / (1.0 - INCLUSION))
 }

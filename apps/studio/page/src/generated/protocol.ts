@@ -2771,7 +2771,8 @@ indistinguishable: Array<Array<string>>,
 probabilities: Array<Array<number>>, 
 /**
  * Probability that no effect acts in the place of a set, in the order of `indistinguishable`. Null where
- * it is below 5 %, and where the climb rate is measured: a set then has passed a test of significance.
+ * it is below 5 %; where the climb rate is measured, null where the set has passed a test of
+ * significance.
  */
 nothing: Array<number | null>, 
 /**

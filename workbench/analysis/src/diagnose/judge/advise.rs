@@ -90,14 +90,14 @@ impl Judge<'_> {
     fn advise_separation(&self, findings: &Findings, subject: Option<Sensor>, trim: &Trim) -> String {
         let name = subject.map_or("gps", Sensor::name);
         let explanation = &findings.explanation;
-        for (k, rivals) in findings.rivals.iter().enumerate() {
+        for rivals in findings.rivals.iter().chain(&findings.weak) {
             let Set { effects, nothing, is_identified } = self.set(rivals);
             let set: Vec<EffectId> = effects.into_iter().map(|(effect, _)| effect).collect();
             if is_identified || !set.iter().any(|effect| effect.subject().name() == name) {
                 continue;
             }
             if let [effect] = set.as_slice() {
-                return self.advise_decision(findings, k, *effect, trim);
+                return self.advise_decision(findings, rivals.column, *effect, trim);
             }
             let is_listed = |column: &usize| set.contains(&self.candidates[*column].effect());
             let columns: Vec<usize> = std::iter::once(rivals.column)
@@ -118,13 +118,13 @@ impl Judge<'_> {
             let sizes: Option<Vec<f64>> = columns
                 .iter()
                 .map(|column| {
-                    let others = chosen.iter().copied().filter(|other| *other != chosen[k]);
+                    let others = chosen.iter().copied().filter(|other| *other != rivals.column);
                     let picks: Vec<usize> = others.chain([*column]).collect();
                     findings.information.solve(&self.suspects.positions(&picks))?.coefficients.last().copied()
                 })
                 .collect();
             let shared = rivals.others.first().and_then(|other| {
-                let others = chosen.iter().copied().filter(|c| *c != chosen[k]).collect::<Vec<_>>();
+                let others = chosen.iter().copied().filter(|c| *c != rivals.column).collect::<Vec<_>>();
                 findings.information.shared(
                     self.suspects.position(rivals.column)?,
                     self.suspects.position(*other)?,
@@ -184,14 +184,12 @@ impl Judge<'_> {
     }
 
     /// What would show whether the only effect in a place acts.
-    fn advise_decision(&self, findings: &Findings, place: usize, effect: EffectId, trim: &Trim) -> String {
-        let chosen = &findings.explanation.columns;
-        let solution = findings.information.solve(&self.suspects.positions(chosen));
-        let size = solution.and_then(|solution| solution.coefficients.get(place).copied());
+    fn advise_decision(&self, findings: &Findings, column: usize, effect: EffectId, trim: &Trim) -> String {
+        let solution = findings.information.solve(&self.beside(findings, column));
+        let size = solution.and_then(|solution| solution.coefficients.last().copied());
         let noise = &findings.explanation.fit.noise;
-        let found = size.and_then(|size| {
-            advice::to_show(self.problem, noise, self.candidates, chosen[place], size, trim)
-        });
+        let found =
+            size.and_then(|size| advice::to_show(self.problem, noise, self.candidates, column, size, trim));
         let fly = match found {
             Some(advice) if advice.sigmas >= 3.0 => format!(
                 "To find out fly {} (an effect of this size would show by {:.0} sigma).",

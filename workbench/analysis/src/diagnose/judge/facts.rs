@@ -17,6 +17,13 @@ impl Judge<'_> {
         coefficient.abs() * self.spread_m(columns[k]).0
     }
 
+    /// How much of the residual an effect makes in free flight beside those chosen, rms, metres.
+    pub(super) fn size_of(&self, findings: &Findings, column: usize) -> f64 {
+        let solution = findings.information.solve(&self.beside(findings, column));
+        let coefficient = solution.and_then(|solution| solution.coefficients.last().copied()).unwrap_or(0.0);
+        coefficient.abs() * self.spread_m(column).0
+    }
+
     /// Spread (about its captive value if there is one) and range of a column in free flight.
     fn spread_m(&self, column: usize) -> (f64, [f64; 2]) {
         let mut sum = 0.0;
@@ -144,7 +151,7 @@ impl Judge<'_> {
         if let Some(posterior) = &findings.posterior {
             return Some(posterior.inclusion(effect));
         }
-        let sets = findings.rivals.iter().map(|rivals| self.set(rivals).effects);
+        let sets = findings.rivals.iter().chain(&findings.weak).map(|rivals| self.set(rivals).effects);
         let own = sets.flatten().filter(|(other, _)| *other == effect).map(|(_, probability)| probability);
         own.max_by(f64::total_cmp)
     }

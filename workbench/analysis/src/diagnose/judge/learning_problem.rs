@@ -2,7 +2,7 @@
 
 use kf_core::effect::EffectId;
 
-use super::{Findings, Judge};
+use super::{Findings, Judge, with};
 use crate::diagnose::evidence::{self, Fitted};
 use crate::diagnose::learning_problem::{LearningProblem, Nuisance, Term};
 use crate::diagnose::noise::Noise;
@@ -145,14 +145,14 @@ impl Judge<'_> {
         let repeat = repeatability(self.problem, &explanation.fit.noise, &explanation.columns);
         let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
-        Findings { explanation, information, rivals: Vec::new(), repeat, inflation, posterior }
+        Findings {
+            explanation,
+            information,
+            rivals: Vec::new(),
+            weak: Vec::new(),
+            repeat,
+            inflation,
+            posterior,
+        }
     }
-}
-
-/// A set of columns plus one more, ascending.
-fn with(columns: &[usize], column: usize) -> Vec<usize> {
-    let mut columns = columns.to_vec();
-    columns.push(column);
-    columns.sort_unstable();
-    columns
 }

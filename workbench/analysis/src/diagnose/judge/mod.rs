@@ -6,6 +6,7 @@ mod learning_problem;
 mod probable;
 mod pruning;
 mod sensor;
+mod weak;
 
 use std::collections::BTreeMap;
 
@@ -13,7 +14,7 @@ use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 
 use super::candidates::Candidate;
-use super::diagnosis::{Diagnosis, Verdict};
+use super::diagnosis::{Diagnosis, SensorDiagnosis, Verdict};
 use super::epochs::Epochs;
 use super::excitation::{Excitation, excitation};
 use super::information::Information;
@@ -73,10 +74,19 @@ pub(crate) struct Judge<'a> {
 pub(super) struct Set {
     /// Effects with their probabilities, the most probable first.
     pub(super) effects: Vec<(EffectId, f64)>,
-    /// The probability that none acts, from [`SUSPECT`] on.
+    /// The probability that none acts, from [`SUSPECT`] on, and wherever the evidence was too little to choose
+    /// one.
     pub(super) nothing: Option<f64>,
     /// Whether the first effect is identified; there is no other one then.
     pub(super) is_identified: bool,
+}
+
+impl Set {
+    /// Whether it names an effect of a sensor (`None`: of the reference).
+    fn concerns(&self, subject: Option<Sensor>) -> bool {
+        let name = subject.map_or("gps", Sensor::name);
+        self.effects.iter().any(|(effect, _)| effect.subject().name() == name)
+    }
 }
 
 /// What the verdicts of all sensors rest on.
@@ -85,6 +95,8 @@ pub(super) struct Findings {
     pub(super) explanation: Explanation,
     pub(super) information: Information,
     pub(super) rivals: Vec<Rivals>,
+    /// What may act on sensors for which nothing was chosen, where the climb rate is measured.
+    pub(super) weak: Vec<Rivals>,
     pub(super) repeat: Vec<Repeatability>,
     /// The factor by which the variance of each chosen coefficient exceeds that of its fit.
     pub(super) inflation: Vec<f64>,
@@ -117,6 +129,7 @@ impl Judge<'_> {
             explanation = Explanation { columns, fit };
             Some(posterior)
         };
+        let mut contradicted = Vec::new();
         // The weakest effect is dropped while it may be chance, and several are while fewer explain as much;
         // the others are fitted again.
         loop {
@@ -137,6 +150,7 @@ impl Judge<'_> {
             } else if let Some(impossible) = self.impossible(&explanation) {
                 without(impossible)
             } else if let Some(harmful) = self.harmful(&explanation) {
+                contradicted.push(self.candidates[harmful].effect());
                 without(harmful)
             } else {
                 break;
@@ -155,17 +169,21 @@ impl Judge<'_> {
             rivals
         };
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
-        let findings = Findings { explanation, information, rivals, repeat, inflation, posterior };
+        let mut findings =
+            Findings { explanation, information, rivals, weak: Vec::new(), repeat, inflation, posterior };
+        let mut sensors = self.sensors(&findings, progress)?;
+        // Where something unknown acts, the fitted noise is wrong, and weak effects may only imitate it.
+        if sensors.iter().all(|(_, sensor, _)| sensor.verdict != Verdict::UnknownEffect) {
+            findings.weak = self.weak(search, &findings, &contradicted, progress)?;
+            if !findings.weak.is_empty() {
+                sensors = self.sensors(&findings, progress)?;
+            }
+        }
 
         let mut diagnosis = Diagnosis { noise: self.noise_facts(&findings), ..Diagnosis::default() };
         let mut largest = 0.0;
         let mut worst = Verdict::NoSignificantMisfit;
-        for subject in [Some(Sensor::ImuSlave), Some(Sensor::Baro), None] {
-            if subject.is_some_and(|sensor| !self.epochs.iter().any(|e| e.series.has(sensor.index()))) {
-                continue;
-            }
-            let (sensor, misfit_m) = self.sensor(&findings, subject);
-            step(progress)?;
+        for (subject, sensor, misfit_m) in sensors {
             if misfit_m > largest && sensor.verdict >= Verdict::Identified {
                 largest = misfit_m;
                 diagnosis.verdict = sensor.verdict;
@@ -179,6 +197,24 @@ impl Judge<'_> {
             diagnosis.verdict = worst;
         }
         Ok((diagnosis, findings))
+    }
+
+    /// Every sensor's diagnosis, the reference's (`None`) last, with the size of its misfit, metres.
+    fn sensors(
+        &self,
+        findings: &Findings,
+        progress: &mut Progress<'_>,
+    ) -> Result<Vec<(Option<Sensor>, SensorDiagnosis, f64)>, Cancelled> {
+        let mut sensors = Vec::new();
+        for subject in [Some(Sensor::ImuSlave), Some(Sensor::Baro), None] {
+            if subject.is_some_and(|sensor| !self.epochs.iter().any(|e| e.series.has(sensor.index()))) {
+                continue;
+            }
+            let (sensor, misfit_m) = self.sensor(findings, subject);
+            step(progress)?;
+            sensors.push((subject, sensor, misfit_m));
+        }
+        Ok(sensors)
     }
 
     /// What may act in the place of a chosen effect: the effect, its rivals, and those that lack their signal
@@ -220,14 +256,14 @@ impl Judge<'_> {
             }
         }
         set.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let odds_of_nothing = rivals.acts.map_or(0.0, |acts| rivals.empty / acts);
-        let total = odds_of_nothing + set.iter().map(|(_, odds)| odds).sum::<f64>();
+        let total = rivals.odds_of_nothing + set.iter().map(|(_, odds)| odds).sum::<f64>();
         for (_, odds) in &mut set {
             *odds /= total;
         }
-        let nothing = Some(odds_of_nothing / total).filter(|nothing| *nothing >= SUSPECT);
+        let nothing =
+            Some(rivals.odds_of_nothing / total).filter(|nothing| rivals.is_weak || *nothing >= SUSPECT);
         let acts = rivals.acts.unwrap_or_else(|| set.first().map_or(0.0, |(_, probability)| *probability));
-        if acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
+        if !rivals.is_weak && acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
             return Set { effects: vec![(own, acts)], nothing, is_identified: true };
         }
         let listed = set.iter().take_while(|(_, probability)| *probability >= SUSPECT).count();
@@ -301,4 +337,12 @@ impl Judge<'_> {
         let picks: Vec<usize> = others.copied().chain([column]).collect();
         self.suspects.positions(&picks)
     }
+}
+
+/// A set of columns plus one more, ascending.
+fn with(columns: &[usize], column: usize) -> Vec<usize> {
+    let mut columns = columns.to_vec();
+    columns.push(column);
+    columns.sort_unstable();
+    columns
 }

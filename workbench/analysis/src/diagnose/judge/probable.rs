@@ -8,7 +8,7 @@ use crate::diagnose::roughness::unsteadiness;
 use crate::diagnose::search::Explanation;
 
 /// A place is not reported where nothing acts with more than this probability: more probably than not.
-const EMPTY: f64 = 0.5;
+pub(super) const EMPTY: f64 = 0.5;
 
 impl Judge<'_> {
     /// Whether a chosen coefficient is physically impossible, given its reported sigma: then it is not the
@@ -51,7 +51,10 @@ impl Judge<'_> {
     /// The chosen column whose place is most probably empty, if that is more probable than not.
     pub(super) fn doubtful(&self, posterior: &Posterior, explanation: &Explanation) -> Option<usize> {
         let chosen = &explanation.columns;
-        let empty = chosen.iter().map(|column| (*column, posterior.rivals(*column, chosen, 0.0).empty));
+        let empty = chosen.iter().map(|column| {
+            let rivals = posterior.rivals(*column, chosen, 0.0);
+            (*column, rivals.odds_of_nothing * rivals.acts.unwrap_or(0.0))
+        });
         let most = empty.max_by(|a, b| a.1.total_cmp(&b.1))?;
         (most.1 > EMPTY).then_some(most.0)
     }

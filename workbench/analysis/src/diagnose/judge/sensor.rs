@@ -109,11 +109,7 @@ impl Judge<'_> {
         let explained_beyond = beyond.map(|k| findings.rivals[k].explained).fold(0.0, f64::max);
         for (k, rivals) in findings.rivals.iter().enumerate() {
             let set = self.set(rivals);
-            let concerns = set
-                .effects
-                .iter()
-                .any(|(effect, _)| effect.subject().name() == subject.map_or("gps", Sensor::name));
-            if !concerns {
+            if !set.concerns(subject) {
                 continue;
             }
             let size_m = self.size_m(findings, k);
@@ -133,6 +129,20 @@ impl Judge<'_> {
             };
             if places.strongest.is_none_or(|(size, _)| size_m > size) {
                 places.strongest = Some((size_m, verdict));
+            }
+        }
+        if places.strongest.is_none() {
+            for rivals in &findings.weak {
+                let set = self.set(rivals);
+                if !set.concerns(subject) {
+                    continue;
+                }
+                let size_m = self.size_of(findings, rivals.column);
+                places.explained += rivals.explained;
+                places.strongest = Some((size_m, Verdict::Indistinguishable));
+                let effects = set.effects.iter();
+                places.sets.push(effects.map(|(effect, odds)| (Name::from(effect.name()), *odds)).unzip());
+                places.nothing.push(set.nothing);
             }
         }
         sized.sort_by(|a, b| b.0.total_cmp(&a.0));

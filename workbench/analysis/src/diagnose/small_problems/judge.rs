@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::*;
-use crate::diagnose::diagnosis::{SensorDiagnosis, Verdict};
+use crate::diagnose::diagnosis::{Diagnosis, SensorDiagnosis, Verdict};
 use crate::diagnose::judge::Judge;
 use crate::diagnose::physical_range::range;
 use crate::diagnose::search::Search;
@@ -17,6 +17,11 @@ fn of_baro(small: &Small) -> SensorDiagnosis {
 
 /// The same with or without a measured climb rate.
 fn of_baro_with(small: &Small, has_climb_rate: bool) -> SensorDiagnosis {
+    diagnosed(small, has_climb_rate).sensors["baro"].clone()
+}
+
+/// The whole diagnosis of such a flight.
+fn diagnosed(small: &Small, has_climb_rate: bool) -> Diagnosis {
     let roll = |block: usize| 0.4 * sine(4, block);
     let airspeed = |_: usize| 30.0;
     let epochs = [small.epochs(&[("roll_rad", &roll), ("tas_mps", &airspeed)])];
@@ -32,8 +37,7 @@ fn of_baro_with(small: &Small, has_climb_rate: bool) -> SensorDiagnosis {
         epochs: &epochs,
         has_climb_rate,
     };
-    let (diagnosis, _) = judge.verdicts(&mut search, explanation, &mut || ControlFlow::Continue(())).unwrap();
-    diagnosis.sensors["baro"].clone()
+    judge.verdicts(&mut search, explanation, &mut || ControlFlow::Continue(())).unwrap().0
 }
 
 /// Effects that the flight would show at a physically possible size, so that it excites enough.
@@ -68,6 +72,15 @@ fn one_effect_is_identified() {
     assert!(lag.chosen && (lag.coefficient - 0.3).abs() < 4.0 * lag.sigma, "{lag:?}");
 }
 
+/// How much is said of a sensor: nothing, a set, an effect.
+fn stage(one: &SensorDiagnosis) -> u8 {
+    match one.verdict {
+        Verdict::Indistinguishable => 1,
+        Verdict::Identified => 2,
+        _ => 0,
+    }
+}
+
 /// Without a climb rate, a growing effect is first not reported, then perhaps there, alone and with the
 /// probability of nothing, and then identified. The two probabilities make up nearly all, and while the place
 /// is reported, nothing is the less probable. Any climb shows a lag, so one is advised.
@@ -78,12 +91,7 @@ fn a_weak_effect_is_perhaps_there() {
         of_baro_with(&small.error(move |block| size * sine(0, block)), false)
     };
     let found: Vec<SensorDiagnosis> = (0..60).map(|k| of(0.01 * f64::from(k))).collect();
-    let stage = |one: &SensorDiagnosis| match one.verdict {
-        Verdict::Indistinguishable => 1,
-        Verdict::Identified => 2,
-        _ => 0,
-    };
-    let stages: Vec<i32> = found.iter().map(stage).collect();
+    let stages: Vec<u8> = found.iter().map(stage).collect();
     assert!(stages.is_sorted() && stages[0] == 0 && stages.contains(&1) && stages[59] == 2, "{stages:?}");
     let mut most: f64 = 0.0;
     for one in found.iter().filter(|one| stage(one) == 1) {
@@ -96,6 +104,74 @@ fn a_weak_effect_is_perhaps_there() {
         most = most.max(nothing);
     }
     assert!(most > 0.25, "{most}");
+}
+
+/// A flight that shows a lag by this many metres a second, and an error of the barometer like it, metres.
+fn poorly_excited_lag(shown_m: f64, size_m: f64) -> Small {
+    let small = Small::new(BLOCKS, 9).candidate(EffectId::BaroLag, |block| shown_m * sine(0, block));
+    small.error(move |block| size_m * sine(0, block))
+}
+
+/// With a climb rate, too, a growing effect is first not reported, then perhaps there, with less and less of a
+/// probability of nothing, and then, once the search chooses it, identified.
+#[test]
+fn an_effect_too_weak_for_the_search_is_perhaps_there() {
+    let found: Vec<SensorDiagnosis> =
+        (0..80).map(|k| of_baro(&poorly_excited_lag(0.3, 0.005 * f64::from(k)))).collect();
+    let stages: Vec<u8> = found.iter().map(stage).collect();
+    assert!(stages.is_sorted() && stages[0] == 0 && stages.contains(&1) && stages[79] == 2, "{stages:?}");
+    let mut last = 0.5;
+    for one in found.iter().filter(|one| stage(one) == 1) {
+        let set = one.sets().next().unwrap();
+        assert_eq!(set.effects, ["baro.lag"]);
+        let (acts, nothing) = (set.probabilities[0], set.nothing.unwrap());
+        assert!((0.05..last).contains(&nothing) && (acts + nothing - 1.0).abs() < 1e-9, "{set:?}");
+        last = nothing;
+    }
+}
+
+/// The more effects there are, the more evidence the search demands; and where a flight excites a lag so
+/// little that any is as probable as another, Occam's factor takes little of it. Nothing can then have less
+/// than 5 % before the search chooses the lag. It is not identified, and the probability of nothing is still
+/// given.
+#[test]
+fn too_little_evidence_identifies_nothing_however_probable() {
+    let others = [
+        EffectId::BaroScale,
+        EffectId::BaroDynamicPressure,
+        EffectId::BaroSideslip,
+        EffectId::BaroTemperature,
+        EffectId::BaroCarrierField,
+        EffectId::BaroDrift,
+        EffectId::BaroPropwash,
+    ];
+    let of = |size_m: f64| {
+        let small = poorly_excited_lag(0.05, size_m);
+        of_baro(&others.iter().enumerate().fold(small, |small, (k, effect)| {
+            small.candidate(*effect, move |block| 10.0 * sine(1 + k % 5, block + 7 * k))
+        }))
+    };
+    let found: Vec<SensorDiagnosis> = (0..80).map(|k| of(0.005 * f64::from(k))).collect();
+    let most = found.iter().rfind(|one| one.verdict == Verdict::Indistinguishable).unwrap();
+    let nothing = most.sets().next().unwrap().nothing.unwrap();
+    assert!(nothing < 0.05, "{nothing}");
+    assert!(most.advice.starts_with("Either baro.lag acts, or nothing does. "), "{}", most.advice);
+}
+
+/// Beside an unknown effect the fitted noise is wrong, and what seems to act weakly, be it on the reference,
+/// may only imitate it.
+#[test]
+fn beside_an_unknown_effect_nothing_is_perhaps_there() {
+    let small = Small::new(BLOCKS, 9).candidate(EffectId::GpsLatency, |block| -0.3 * sine(0, block));
+    let weak = small.error(|block| 0.22 * sine(0, block));
+    let found = diagnosed(&weak, true);
+    assert_eq!(found.sensors["gps"].indistinguishable, [["gps.latency"]]);
+    // A latency that resembles the unknown effect somewhat.
+    let like = |block: usize| -0.3 * (sine(0, block) + 1.6 * sine(4, block));
+    let small = Small::new(BLOCKS, 9).candidate(EffectId::GpsLatency, like);
+    let found = diagnosed(&small.error(|block| 5.0 * 0.4 * sine(4, block)), true);
+    assert_eq!(found.sensors["baro"].verdict, Verdict::UnknownEffect);
+    assert_eq!(found.suspects().count(), 0);
 }
 
 #[test]

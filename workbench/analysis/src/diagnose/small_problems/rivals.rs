@@ -39,6 +39,25 @@ fn a_regressor_of_the_same_shape_is_a_rival_and_another_shape_is_none() {
     assert!(odds_of(2).unwrap_or(0.0) < 1e-3, "{found:?}");
 }
 
+/// Of three time constants only the chosen one fits, and all three are equally probable: an effect without a
+/// time constant is three times as probable a rival.
+#[test]
+fn an_effect_that_needs_a_special_time_constant_is_less_probable() {
+    let alike = |block: usize| 3.0 * sine(0, block) + 0.1 * sine(1, block);
+    let odds = |further: &[usize]| {
+        let small = Small::new(BLOCKS, 0)
+            .candidate(EffectId::BaroWarmUp, |block| sine(0, block))
+            .candidate(EffectId::BaroScale, alike);
+        let small = further.iter().fold(small, |small, k| {
+            let k = *k;
+            small.candidate(EffectId::BaroWarmUp, move |block| sine(k, block))
+        });
+        of_first(small).odds[0]
+    };
+    let ratio = odds(&[2, 3]) / odds(&[]);
+    assert!((ratio - 3.0).abs() < 1e-3, "{ratio}");
+}
+
 /// The whitened squares of the chosen column, times its coefficient's square.
 #[test]
 fn what_is_explained_is_the_squares_of_the_chosen_column() {
