@@ -47,8 +47,8 @@ pub struct Rivals {
     /// Whether the chosen effect is larger than physically possible, and so stands in for another one
     /// ([`stands_in`]).
     pub is_stand_in: bool,
-    /// Whether the evidence was too little for the search to choose the effect ([`super::weak_effects`]). It
-    /// is not identified then, however improbable the others are.
+    /// Whether the evidence was too little for the search to choose the effect (`judge/weak.rs`). It is not
+    /// identified then, however improbable the others are.
     pub is_weak: bool,
 }
 

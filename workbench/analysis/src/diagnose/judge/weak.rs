@@ -1,14 +1,14 @@
 //! Effects that may act on sensors for which the search chose none.
 //!
 //! Where the climb rate is measured, the search chooses an effect that gains some 22 in twice the log
-//! likelihood ([`Suspects::penalty`](super::super::suspects::Suspects::penalty)), so that it is seldom chance.
-//! To report that nothing is missing would then deny effects that are more probable than not. So every effect
-//! has odds against nothing, from its gain with the noise fitted again, the power that errors of shapes and
-//! the parts of the flight leave to the likelihood, its prior odds and Occam's factor. Where nothing is the
-//! less probable, the effects are reported as a set, with the probability of nothing.
+//! likelihood (`Suspects::penalty`), so that it is seldom chance. To report that nothing is missing would then
+//! deny effects that are more probable than not. So every effect has odds against nothing, from its gain with
+//! the noise fitted again, the power that errors of shapes and the parts of the flight leave to the
+//! likelihood, its prior odds and Occam's factor. Where nothing is the less probable, the effects are reported
+//! as a set, with the probability of nothing.
 //!
-//! How probable an effect is within the set depends on the gains alone, as with [`rivals`](super::rivals):
-//! how large an effect can be does not show which of two acts.
+//! How probable an effect is within the set depends on the gains alone, as in `rivals.rs`: how large an effect
+//! can be does not show which of two acts.
 
 use std::collections::BTreeMap;
 
