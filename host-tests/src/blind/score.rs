@@ -47,6 +47,10 @@ pub struct Score {
     pub testable_held: Share,
     /// See [`Self::testable_held`].
     pub testable_identified: Share,
+    /// Sets with "or nothing" that contain an effect that acts.
+    pub perhaps: Share,
+    /// The number that should, by the probabilities of their effects.
+    pub perhaps_expected: f64,
     /// A wrong effect reported as identified, among all trials.
     pub wrong: Share,
     /// Null flights and flights with a glitch that are reported as quiet.
@@ -93,6 +97,10 @@ impl Score {
                     score.smoothed_on_gps.count(!trial.is_wrong());
                 }
             }
+            for (probability, acts) in trial.perhaps() {
+                score.perhaps.count(acts);
+                score.perhaps_expected += probability;
+            }
             for deviation in &trial.deviations {
                 score.covered.count(deviation.abs() < 1.96);
             }
@@ -120,5 +128,7 @@ pub fn table(trials: &[Trial]) -> String {
     ] {
         text += &share.line(what, 68, promise);
     }
+    let expected = format!("{:.1} by their probabilities", score.perhaps_expected);
+    text += &score.perhaps.line("sets with \"or nothing\" that contain an effect that acts", 68, &expected);
     text
 }

@@ -1,7 +1,7 @@
 //! One trial: fly, diagnose, compare with the truth.
 
 use model::Model;
-use pylon::diagnose::{Diagnosis, NamedReplay, Verdict, diagnose};
+use pylon::diagnose::{Diagnosis, NamedReplay, OneOf, SensorDiagnosis, Verdict, diagnose};
 use pylon::replay::Replay;
 use pylon::simulate::scenario::{Effect, EffectId};
 
@@ -47,6 +47,18 @@ impl Trial {
     #[must_use]
     pub fn holds(&self, id: &str) -> bool {
         self.diagnosis.missing().chain(self.diagnosis.suspects()).any(|said| said == id)
+    }
+
+    /// For each set with the probability of nothing: the probability that one of its effects acts, and whether
+    /// one does. A set that concerns several sensors counts once.
+    #[must_use]
+    pub fn perhaps(&self) -> Vec<(f64, bool)> {
+        let sets = self.diagnosis.sensors.values().flat_map(SensorDiagnosis::sets);
+        let mut found: Vec<OneOf<'_>> = sets.filter(|set| set.nothing.is_some()).collect();
+        found.sort_by_key(|set| set.effects);
+        found.dedup_by_key(|set| set.effects);
+        let acts = |set: &OneOf<'_>| self.truth.iter().any(|(id, _)| set.effects.iter().any(|own| own == id));
+        found.iter().map(|set| (set.probabilities.iter().sum(), acts(set))).collect()
     }
 
     /// Whether the flight has the signals that an effect needs.

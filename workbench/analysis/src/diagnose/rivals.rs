@@ -180,17 +180,13 @@ impl Place<'_> {
             return 1.0;
         }
         let own = self.suspects.usable().iter().copied().filter(|column| self.effect(*column) == effect);
-        let rests: Vec<f64> = own
-            .map(|column| {
-                let set = self.with(&[column]);
-                let solution = self.information.solve(&self.suspects.positions(&set));
-                let possible = solution.filter(|solution| self.suspects.is_possible(&set, solution));
-                possible.map_or(f64::INFINITY, |solution| solution.rest)
-            })
-            .collect();
-        let as_well =
-            rests.iter().map(|rest| libm::exp(-0.5 * self.power * (rest - self.best_rest).max(0.0)));
-        as_well.sum::<f64>() / rests.len() as f64
+        let behind = own.map(|column| {
+            let set = self.with(&[column]);
+            let solution = self.information.solve(&self.suspects.positions(&set));
+            let possible = solution.filter(|solution| self.suspects.is_possible(&set, solution));
+            possible.map_or(f64::INFINITY, |solution| solution.rest - self.best_rest)
+        });
+        share(behind, self.power)
     }
 
     /// The effects that are not chosen.
@@ -313,7 +309,7 @@ impl Place<'_> {
             let ahead = fit.twice_log_posterior - chosen.twice_log_posterior;
             let at = columns.iter().position(|other| *other == column).unwrap_or_default();
             let worth = 0.5 * self.tempered(&chosen.noise, &self.chosen.columns, &[column]) * ahead
-                + self.price(column, &solution, at);
+                + price(self.effect(column), &solution, at);
             if worth > beside.as_ref().map_or(0.0, |(most, ..)| *most) {
                 beside = Some((worth, column, fit));
             }
@@ -325,7 +321,11 @@ impl Place<'_> {
             }
             None => {
                 let n = set.len();
-                let price = self.price(pair[0], solution, n - 2).max(self.price(pair[1], solution, n - 1));
+                let price = price(self.effect(pair[0]), solution, n - 2).max(price(
+                    self.effect(pair[1]),
+                    solution,
+                    n - 1,
+                ));
                 (chosen, self.chosen.columns.clone(), pair.to_vec(), price)
             }
         };
@@ -337,12 +337,14 @@ impl Place<'_> {
         };
         (0.5 * power * ahead + price).min(0.0)
     }
+}
 
-    /// The price of another effect (the logarithm of its prior odds and of Occam's factor), whose coefficient
-    /// is at this position of a solution.
-    fn price(&self, column: usize, solution: &Solution, at: usize) -> f64 {
-        price(self.effect(column), solution, at)
-    }
+/// The share of an effect's columns that fit as well as the best one, from the squares by which each is behind
+/// it.
+#[must_use]
+pub fn share(behind: impl Iterator<Item = f64>, power: f64) -> f64 {
+    let weights: Vec<f64> = behind.map(|squares| libm::exp(-0.5 * power * squares.max(0.0))).collect();
+    weights.iter().sum::<f64>() / weights.len() as f64
 }
 
 /// The price of an effect (the logarithm of its prior odds and of Occam's factor), whose coefficient is at

@@ -88,14 +88,14 @@ impl Judge<'_> {
     }
 
     fn advise_separation(&self, findings: &Findings, subject: Option<Sensor>, trim: &Trim) -> String {
-        let name = subject.map_or("gps", Sensor::name);
         let explanation = &findings.explanation;
         for rivals in findings.rivals.iter().chain(&findings.weak) {
-            let Set { effects, nothing, is_identified } = self.set(rivals);
-            let set: Vec<EffectId> = effects.into_iter().map(|(effect, _)| effect).collect();
-            if is_identified || !set.iter().any(|effect| effect.subject().name() == name) {
+            let set = self.set(rivals);
+            if set.is_identified || !set.concerns(subject) {
                 continue;
             }
+            let Set { effects, nothing, .. } = set;
+            let set: Vec<EffectId> = effects.into_iter().map(|(effect, _)| effect).collect();
             if let [effect] = set.as_slice() {
                 return self.advise_decision(findings, rivals.column, *effect, trim);
             }

@@ -9,16 +9,8 @@ use crate::diagnose::held_out::{self, HeldOut};
 use crate::diagnose::roughness::{scale, unsteadiness};
 
 impl Judge<'_> {
-    /// How much of the residual a chosen effect makes in free flight, rms, metres.
-    pub(super) fn size_m(&self, findings: &Findings, k: usize) -> f64 {
-        let columns = &findings.explanation.columns;
-        let solution = findings.information.solve(&self.suspects.positions(columns));
-        let coefficient = solution.map_or(0.0, |solution| solution.coefficients[k]);
-        coefficient.abs() * self.spread_m(columns[k]).0
-    }
-
-    /// How much of the residual an effect makes in free flight beside those chosen, rms, metres.
-    pub(super) fn size_of(&self, findings: &Findings, column: usize) -> f64 {
+    /// How much of the residual an effect makes in free flight beside the chosen ones, rms, metres.
+    pub(super) fn size_m(&self, findings: &Findings, column: usize) -> f64 {
         let solution = findings.information.solve(&self.beside(findings, column));
         let coefficient = solution.and_then(|solution| solution.coefficients.last().copied()).unwrap_or(0.0);
         coefficient.abs() * self.spread_m(column).0
@@ -61,10 +53,10 @@ impl Judge<'_> {
     ) -> Vec<CandidateFacts> {
         let explanation = &findings.explanation;
         // Chosen effects are listed by importance, each held out with all others kept.
-        let mut chosen: Vec<(f64, usize)> =
-            (0..explanation.columns.len()).map(|k| (self.size_m(findings, k), k)).collect();
+        let sizes = explanation.columns.iter().map(|column| (self.size_m(findings, *column), *column));
+        let mut chosen: Vec<(f64, usize)> = sizes.collect();
         chosen.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let chosen: Vec<usize> = chosen.into_iter().map(|(_, k)| explanation.columns[k]).collect();
+        let chosen: Vec<usize> = chosen.into_iter().map(|(_, column)| column).collect();
         let mut facts = Vec::new();
         for column in &chosen {
             if self.candidates[*column].sensor() == subject {

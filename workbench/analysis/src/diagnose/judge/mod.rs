@@ -129,7 +129,6 @@ impl Judge<'_> {
             explanation = Explanation { columns, fit };
             Some(posterior)
         };
-        let mut contradicted = Vec::new();
         // The weakest effect is dropped while it may be chance, and several are while fewer explain as much;
         // the others are fitted again.
         loop {
@@ -150,7 +149,6 @@ impl Judge<'_> {
             } else if let Some(impossible) = self.impossible(&explanation) {
                 without(impossible)
             } else if let Some(harmful) = self.harmful(&explanation) {
-                contradicted.push(self.candidates[harmful].effect());
                 without(harmful)
             } else {
                 break;
@@ -174,7 +172,7 @@ impl Judge<'_> {
         let mut sensors = self.sensors(&findings, progress)?;
         // Where something unknown acts, the fitted noise is wrong, and weak effects may only imitate it.
         if sensors.iter().all(|(_, sensor, _)| sensor.verdict != Verdict::UnknownEffect) {
-            findings.weak = self.weak(search, &findings, &contradicted, progress)?;
+            findings.weak = self.weak(search, &findings, progress)?;
             if !findings.weak.is_empty() {
                 sensors = self.sensors(&findings, progress)?;
             }

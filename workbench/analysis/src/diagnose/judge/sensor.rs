@@ -13,7 +13,7 @@ use kf_core::sensor::Sensor;
 use super::super::diagnosis::{SensorDiagnosis, Verdict};
 use super::super::roughness::lacks_airspeed;
 use super::super::unknown;
-use super::{Findings, Judge};
+use super::{Findings, Judge, Set};
 use crate::name::Name;
 
 /// The unexplained remainder decides the verdict when it is more than this share of what was explained.
@@ -32,6 +32,14 @@ struct Places {
     sets: Vec<(Vec<Name>, Vec<f64>)>,
     /// For each of these sets, the probability that nothing acts, if it is not small.
     nothing: Vec<Option<f64>>,
+}
+
+impl Places {
+    fn add(&mut self, set: &Set) {
+        let effects = set.effects.iter();
+        self.sets.push(effects.map(|(effect, odds)| (Name::from(effect.name()), *odds)).unzip());
+        self.nothing.push(set.nothing);
+    }
 }
 
 /// What no effect explains on one sensor.
@@ -112,7 +120,7 @@ impl Judge<'_> {
             if !set.concerns(subject) {
                 continue;
             }
-            let size_m = self.size_m(findings, k);
+            let size_m = self.size_m(findings, rivals.column);
             places.explained += rivals.explained;
             let can_be_an_effect =
                 findings.is_even(k) && rivals.explained >= explained_beyond && !self.is_beyond(findings, k);
@@ -122,9 +130,7 @@ impl Judge<'_> {
                 sized.push((size_m, k));
                 Verdict::Identified
             } else {
-                let effects = set.effects.iter();
-                places.sets.push(effects.map(|(effect, odds)| (Name::from(effect.name()), *odds)).unzip());
-                places.nothing.push(set.nothing);
+                places.add(&set);
                 Verdict::Indistinguishable
             };
             if places.strongest.is_none_or(|(size, _)| size_m > size) {
@@ -137,12 +143,10 @@ impl Judge<'_> {
                 if !set.concerns(subject) {
                     continue;
                 }
-                let size_m = self.size_of(findings, rivals.column);
+                let size_m = self.size_m(findings, rivals.column);
                 places.explained += rivals.explained;
                 places.strongest = Some((size_m, Verdict::Indistinguishable));
-                let effects = set.effects.iter();
-                places.sets.push(effects.map(|(effect, odds)| (Name::from(effect.name()), *odds)).unzip());
-                places.nothing.push(set.nothing);
+                places.add(&set);
             }
         }
         sized.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -17,7 +17,7 @@ use kf_core::effect::EffectId;
 use super::probable::EMPTY;
 use super::{Findings, Judge, Set, with};
 use crate::diagnose::repeatability::{inflation, repeatability};
-use crate::diagnose::rivals::{Rivals, price};
+use crate::diagnose::rivals::{Rivals, price, share};
 use crate::diagnose::search::{Explanation, Search};
 use crate::diagnose::shape_error;
 use crate::diagnose::weigher::POWER;
@@ -35,15 +35,14 @@ struct Weak {
 }
 
 impl Judge<'_> {
-    /// What may act where nothing was chosen, except effects that held-out data contradicts. The most probable
-    /// place comes first, and the next one is beside what acts there: the reference's wander is in all
-    /// sensors, so an effect on one of them looks like a smaller one on the others. Where the climb rate is
-    /// not measured there is nothing to add: every set of effects has a probability.
+    /// What may act where nothing was chosen. The most probable place comes first, and the next one is beside
+    /// what acts there: the reference's wander is in all sensors, so an effect on one of them looks like a
+    /// smaller one on the others. Where the climb rate is not measured there is nothing to add: every set of
+    /// effects has a probability.
     pub(super) fn weak(
         &self,
         search: &mut Search<'_>,
         findings: &Findings,
-        contradicted: &[EffectId],
         progress: &mut Progress<'_>,
     ) -> Result<Vec<Rivals>, Cancelled> {
         if !self.has_climb_rate {
@@ -51,7 +50,7 @@ impl Judge<'_> {
         }
         let mut found: Vec<Rivals> = Vec::new();
         let mut beside = findings.explanation.clone();
-        while let Some(place) = self.weak_place(search, findings, &beside, &found, contradicted, progress)? {
+        while let Some(place) = self.weak_place(search, findings, &beside, &found, progress)? {
             let columns = with(&beside.columns, place.column);
             let fit = search.fit(&columns, &beside.fit.values);
             beside = Explanation { columns, fit };
@@ -68,11 +67,10 @@ impl Judge<'_> {
         findings: &Findings,
         beside: &Explanation,
         found: &[Rivals],
-        contradicted: &[EffectId],
         progress: &mut Progress<'_>,
     ) -> Result<Option<Rivals>, Cancelled> {
         let mut left = Vec::new();
-        for some in self.addable(findings, beside, found, contradicted).chunks(self.problem.width()) {
+        for some in self.addable(findings, beside, found).chunks(self.problem.width()) {
             let sets: Vec<Vec<usize>> =
                 some.iter().map(|(column, _)| with(&beside.columns, *column)).collect();
             search.look_at(&sets, &beside.fit.values);
@@ -99,15 +97,9 @@ impl Judge<'_> {
     }
 
     /// The effects that could act on sensors for which none was chosen: the column of each that fits best
-    /// under the chosen noise, and the share of the effect's columns that fit as well, since its time
-    /// constants are equally probable.
-    fn addable(
-        &self,
-        findings: &Findings,
-        beside: &Explanation,
-        found: &[Rivals],
-        contradicted: &[EffectId],
-    ) -> Vec<(usize, f64)> {
+    /// under the chosen noise, and the share of its columns that fit as well: its time constants, and the
+    /// assumed errors of its signals, are equally probable.
+    fn addable(&self, findings: &Findings, beside: &Explanation, found: &[Rivals]) -> Vec<(usize, f64)> {
         let chosen = &beside.columns;
         let information = self.suspects.information(self.problem, &beside.fit.noise);
         let sets: Vec<Set> = findings.rivals.iter().chain(found).map(|rivals| self.set(rivals)).collect();
@@ -116,7 +108,6 @@ impl Judge<'_> {
             let candidate = &self.candidates[column];
             let is_chosen = chosen.iter().any(|other| self.suspects.same_effect(*other, column));
             if is_chosen
-                || contradicted.contains(&candidate.effect())
                 || sets.iter().any(|set| set.concerns(candidate.sensor()))
                 || (candidate.sensor().is_none() && !found.is_empty())
             {
@@ -130,8 +121,8 @@ impl Judge<'_> {
         }
         let best = columns.into_values().filter_map(|columns| {
             let (column, least) = columns.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
-            let as_well = columns.iter().map(|(_, rest)| libm::exp(-0.5 * POWER * (rest - least)));
-            least.is_finite().then(|| (column, as_well.sum::<f64>() / columns.len() as f64))
+            let share = share(columns.iter().map(|(_, rest)| rest - least), POWER);
+            least.is_finite().then_some((column, share))
         });
         best.collect()
     }
