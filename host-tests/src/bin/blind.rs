@@ -8,7 +8,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Context as _;
 use clap::Parser;
-use host_tests::blind::{Case, Family, Kind, Plan, Trial, draw, fly, improvement, reliability, run, table};
+use host_tests::blind::{
+    Case, Family, Kind, Plan, Trial, draw, fly, improvement, intervals, reliability, run, table,
+};
 use host_tests::confusion::confusion;
 use indicatif::{ProgressBar, ProgressStyle};
 use model::Model;
@@ -114,12 +116,13 @@ fn main() -> anyhow::Result<()> {
     }
     let improvements: Vec<_> = trials.iter().filter_map(|trial| trial.improvement).collect();
     println!(
-        "{} trials flown (seeds {} to {}), {unflown} plans that the aircraft can't fly\n\n{}\n{}\n{}\n{}",
+        "{} trials flown (seeds {} to {}), {unflown} plans that the aircraft can't fly\n\n{}\n{}\n{}\n{}\n{}",
         trials.len(),
         arguments.seed,
         end - 1,
         table(&trials),
         reliability(&trials),
+        intervals(&trials),
         improvement::lines(&improvements),
         confusion(&trials)
     );
@@ -191,7 +194,7 @@ fn line(trial: &Trial) -> String {
         ""
     };
     let deviations: Vec<String> =
-        trial.deviations.iter().map(|deviation| format!("{deviation:+.1}")).collect();
+        trial.deviations.iter().map(|deviation| format!("{:+.1}", deviation.sigmas())).collect();
     let deviations =
         if deviations.is_empty() { String::new() } else { format!(" ({} sigma)", deviations.join(" ")) };
     let improvement = trial.improvement.map_or_else(String::new, |i| {

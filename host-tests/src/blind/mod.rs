@@ -7,6 +7,7 @@
 pub(crate) mod draw;
 pub(crate) mod flight;
 pub mod improvement;
+mod intervals;
 mod kinematic;
 mod outside;
 mod reliability;
@@ -15,6 +16,7 @@ mod trial;
 
 pub use draw::{Case, Family, Kind, Plan, draw};
 pub use flight::fly;
+pub use intervals::{Deviation, intervals};
 pub use reliability::reliability;
 pub use score::{Score, Share, table};
 pub use trial::{Trial, run};

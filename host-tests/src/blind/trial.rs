@@ -8,6 +8,7 @@ use pylon::simulate::scenario::{Effect, EffectId};
 use super::draw::{Case, Kind};
 use super::flight::{Flown, fly};
 use super::improvement::{Improvement, improvement};
+use super::intervals::Deviation;
 
 /// Result of a trial.
 #[derive(Clone, Debug)]
@@ -19,8 +20,8 @@ pub struct Trial {
     pub truth: Vec<(&'static str, f64)>,
     /// The diagnosis.
     pub diagnosis: Diagnosis,
-    /// Deviations of the identified effects' coefficients from the truth, in their sigmas.
-    pub deviations: Vec<f64>,
+    /// Deviations of the identified effects' coefficients from the truth.
+    pub deviations: Vec<Deviation>,
     /// Effect of adding the identified effects on another flight of the same aircraft; `None` where none was
     /// injected or none identified.
     pub improvement: Option<Improvement>,
@@ -93,10 +94,14 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
     let mut deviations = Vec::new();
     for sensor in diagnosis.sensors.values() {
         for candidate in &sensor.candidates {
-            let is_sure = sensor.missing.contains(&candidate.effect) && candidate.time_constant_s.is_none();
             let injected = effects.iter().find(|(effect, _)| effect.id.name() == candidate.effect);
-            if let (true, Some((effect, _))) = (is_sure, injected) {
-                deviations.push((candidate.coefficient - effect.coefficient) / candidate.sigma);
+            if let (true, Some((effect, _))) = (sensor.missing.contains(&candidate.effect), injected) {
+                deviations.push(Deviation {
+                    effect: effect.id.name(),
+                    truth: effect.coefficient,
+                    error: candidate.coefficient - effect.coefficient,
+                    sigma: candidate.sigma,
+                });
             }
         }
     }

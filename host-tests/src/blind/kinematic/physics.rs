@@ -95,7 +95,9 @@ pub(super) fn barometer_pa(flight: &[TruthSample], effects: &[Effect], is_hose: 
 /// Error of the inertial altitude, m, per row: errors of its accelerometer and attitude, integrated twice
 /// from launch on.
 pub(super) fn inertial_error_m(flight: &[TruthSample], effects: &[Effect]) -> Vec<f64> {
-    let Some(start) = launch(flight) else { return Vec::new() };
+    let (Some(start), Some(first)) = (launch(flight), flight.first()) else { return Vec::new() };
+    // The specific force of gravity is calibrated where the calibration begins.
+    let calibrated_at_m = first.altitude_m;
     let velocity_mps: f64 =
         effects.iter().filter(|e| e.id == EffectId::ImuVelocityError).map(|e| e.coefficient).sum();
     let (mut climb, mut height) = (velocity_mps, 0.0);
@@ -123,7 +125,7 @@ pub(super) fn inertial_error_m(flight: &[TruthSample], effects: &[Effect]) -> Ve
                         EffectId::ImuGyroBias => forward * since_s,
                         EffectId::ImuVibration => 3.0 * row.vibration_mps2 * row.vibration_mps2,
                         EffectId::ImuGravityGradient => {
-                            2.0 * GRAVITY / EARTH[1] * (row.altitude_m - start.altitude_m)
+                            2.0 * GRAVITY / EARTH[1] * (row.altitude_m - calibrated_at_m)
                         }
                         EffectId::ImuEotvos => {
                             2.0 * EARTH[0] * LATITUDE_RAD.cos() * v_east

@@ -43,10 +43,9 @@ pub struct LearningProblem {
     /// Factor by which the coefficient's variance exceeds that of a fit with this noise: from the spread over
     /// the parts of the flights, and the remaining autocorrelation.
     pub inflation: f64,
-    /// The share of the coefficient that is uncertain in addition to its noise: signals have scale errors.
-    pub scale: f64,
-    /// Further uncertainty of the coefficient, in its unit, because it is not constant.
-    pub unsteadiness: f64,
+    /// Variance of the coefficient beyond that of the noise, in its unit squared: errors of signals and
+    /// shapes, time constants that fit as well, effects that may act too.
+    pub beyond_noise: f64,
     /// The diagnosis' own estimate of the coefficient, in f64, and the held-out errors.
     pub facts: CandidateFacts,
     /// The evidence of the flights' own stretches about the coefficient.

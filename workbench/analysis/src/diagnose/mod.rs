@@ -49,6 +49,7 @@ mod manoeuvres;
 mod matrix;
 mod named_replay;
 mod noise;
+mod offset_acceleration;
 mod outlook;
 mod physical_range;
 mod planner;

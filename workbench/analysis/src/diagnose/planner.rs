@@ -24,7 +24,6 @@ use super::noise::{Noise, NoisePrior};
 use super::outlook::{EffectOutlook, MemberOutlook, Outlook, SetOutlook};
 use super::problem::{Known, Problem};
 use super::rivals;
-use super::roughness::{scale, unsteadiness};
 use super::weigher;
 use super::wind;
 use super::work::{Judged, Work, judged};
@@ -57,9 +56,8 @@ struct Planned {
     column: usize,
     /// Factor by which the variance of its coefficient exceeds that of its fit.
     inflation: f64,
-    /// Uncertainty of the coefficient in addition to its noise, in its unit, and as a share of it.
-    unsteadiness: f64,
-    scale: f64,
+    /// Variance of the coefficient beyond that of the noise, in its unit squared. It stays with further flights.
+    beyond_noise: f64,
 }
 
 /// A set that the flights cannot tell apart.
@@ -159,13 +157,11 @@ impl Planner {
             }
         }
         let planned = |column: &usize| {
-            let effect = candidates[*column].effect();
             let at = found.iter().position(|found| found == column);
             Planned {
                 column: *column,
                 inflation: at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0),
-                unsteadiness: unsteadiness(effect, judged.prepared.has_climb_rate),
-                scale: scale(&judged.prepared.epochs, effect),
+                beyond_noise: judge.beyond_noise(findings, *column),
             }
         };
         let effects: Vec<Planned> = columns.iter().map(planned).collect();
@@ -259,10 +255,7 @@ impl Planner {
         let now = self.fit(&self.information, of.column);
         let coefficient = now.map(|(coefficient, _)| coefficient);
         // The coefficient stays as it is: the planned flight's readings are not known.
-        let rough = of.scale * coefficient.unwrap_or(0.0);
-        let sigma = |(_, variance): (f64, f64)| {
-            (variance * of.inflation + of.unsteadiness * of.unsteadiness + rough * rough).sqrt()
-        };
+        let sigma = |(_, variance): (f64, f64)| (variance * of.inflation + of.beyond_noise).sqrt();
         let then = self.fit(both, of.column);
         let largest = effect.plausible().iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())));
         let is_seen = |fit: Option<(f64, f64)>| {

@@ -45,43 +45,103 @@ use super::whitener::whiten;
 /// apart.
 fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize]) -> Option<Vec<f64>> {
     let picks: Vec<usize> = kept.iter().chain(added).copied().collect();
-    let products: Vec<DMatrix<f64>> = problem
-        .flights
-        .iter()
-        .map(|flight| problem.products(flight, noise, &problem.columns(flight, &picks), &|_| true).products)
-        .collect();
-    let mut information = Information::new(1 + picks.len());
-    for products in &products {
-        information.add_flight(products, problem.own(), 0, 0.0);
-    }
-    let of_kept: Vec<usize> = (0..kept.len()).collect();
-    let all: Vec<usize> = (0..picks.len()).collect();
-    let put = information.solve(&of_kept)?.coefficients;
-    let mut beyond = information.solve(&all)?.coefficients;
+    let normal = Normal::new(problem, noise, picks);
+    let (of_kept, all): (Vec<usize>, Vec<usize>) =
+        ((0..kept.len()).collect(), (0..normal.picks.len()).collect());
+    let mut put = normal.information.solve(&of_kept)?.coefficients;
+    put.resize(normal.picks.len(), 0.0);
+    let mut beyond = normal.information.solve(&all)?.coefficients;
     beyond[..kept.len()].fill(0.0);
-    for (k, share) in information.regression(&beyond, &of_kept)?.into_iter().enumerate() {
-        beyond[k] = -share;
+    let (length, mut sums) = normal.exposed(problem, noise, &of_kept, beyond, &put)?;
+    sums.truncate(kept.len());
+    Some(sums.into_iter().map(|sum| sum / length).collect())
+}
+
+/// The variance that the errors of the shapes of a column and of others give that column's coefficient, in
+/// its unit squared. `None` where they cannot be told apart.
+///
+/// The coefficient is the residual along what the others leave of the column, `x`, over the squares of `x`.
+/// So the error of a shape moves it by `e x / (x x)`, of which the module's bound holds along `x`. Where one
+/// effect alone is spread evenly over a flight, that is a share `S / 10` of the coefficient's square.
+#[must_use]
+pub fn variance_of_coefficient(
+    problem: &Problem<'_>,
+    suspects: &Suspects<'_>,
+    noise: &Noise,
+    column: usize,
+    others: &[usize],
+) -> Option<f64> {
+    let picks: Vec<usize> = others.iter().copied().chain([column]).collect();
+    let normal = Normal::new(problem, noise, picks);
+    let all: Vec<usize> = (0..normal.picks.len()).collect();
+    let put = normal.information.solve(&all)?.coefficients;
+    let mut own = vec![0.0; normal.picks.len()];
+    own[others.len()] = 1.0;
+    let (length, sums) = normal.exposed(problem, noise, &all[..others.len()], own, &put)?;
+    let shapes = normal.picks.iter().zip(sums).map(|(column, sum)| suspects.shape(*column) * sum);
+    Some(shapes.sum::<f64>() / (length * length))
+}
+
+/// The normal equations of some picks.
+struct Normal {
+    picks: Vec<usize>,
+    products: Vec<DMatrix<f64>>,
+    information: Information,
+}
+
+impl Normal {
+    fn new(problem: &Problem<'_>, noise: &Noise, picks: Vec<usize>) -> Self {
+        let products: Vec<DMatrix<f64>> = problem
+            .flights
+            .iter()
+            .map(|flight| {
+                problem.products(flight, noise, &problem.columns(flight, &picks), &|_| true).products
+            })
+            .collect();
+        let mut information = Information::new(1 + picks.len());
+        for products in &products {
+            information.add_flight(products, problem.own(), 0, 0.0);
+        }
+        Self { picks, products, information }
     }
-    let mut length = 0.0;
-    let mut sums = vec![0.0; kept.len()];
-    for (flight, products) in problem.flights.iter().zip(&products) {
-        let columns = problem.columns(flight, &picks);
-        let combination =
-            |picks: &[f64]| combined(&columns, beside_own(products, problem.own(), picks).as_slice());
-        let of_effects = put.iter().enumerate().map(|(k, coefficient)| {
-            let mut one = vec![0.0; picks.len()];
-            one[k] = *coefficient;
-            combination(&one)
-        });
-        let made: Vec<Vec<BySensor>> = std::iter::once(combination(&beyond)).chain(of_effects).collect();
-        for parts in squares(flight, noise, &made) {
-            length += parts.direction;
-            for (sum, effect) in sums.iter_mut().zip(&parts.effects) {
-                *sum += (parts.direction * effect.whitened).min(parts.weights * effect.metres);
+
+    /// The squares of what some kept picks (by position) leave of a direction, and for each pick the squares
+    /// of its effect where that lies, with these coefficients: the sums over tenths and sensors of the
+    /// smaller of the two bounds, times the direction's squares.
+    fn exposed(
+        &self,
+        problem: &Problem<'_>,
+        noise: &Noise,
+        kept: &[usize],
+        mut direction: Vec<f64>,
+        put: &[f64],
+    ) -> Option<(f64, Vec<f64>)> {
+        let picks = self.picks.len();
+        for (k, share) in kept.iter().zip(self.information.regression(&direction, kept)?) {
+            direction[*k] -= share;
+        }
+        let mut length = 0.0;
+        let mut sums = vec![0.0; picks];
+        for (flight, products) in problem.flights.iter().zip(&self.products) {
+            let columns = problem.columns(flight, &self.picks);
+            let combination =
+                |picks: &[f64]| combined(&columns, beside_own(products, problem.own(), picks).as_slice());
+            let of_effects = put.iter().enumerate().map(|(k, coefficient)| {
+                let mut one = vec![0.0; picks];
+                one[k] = *coefficient;
+                combination(&one)
+            });
+            let made: Vec<Vec<BySensor>> =
+                std::iter::once(combination(&direction)).chain(of_effects).collect();
+            for parts in squares(flight, noise, &made) {
+                length += parts.direction;
+                for (sum, effect) in sums.iter_mut().zip(&parts.effects) {
+                    *sum += (parts.direction * effect.whitened).min(parts.weights * effect.metres);
+                }
             }
         }
+        (length > 0.0).then_some((length, sums))
     }
-    (length > 0.0).then(|| sums.into_iter().map(|sum| sum / length).collect())
 }
 
 /// Squares of one sensor in one tenth of a flight.
@@ -157,7 +217,12 @@ fn beside_own(products: &DMatrix<f64>, own: usize, picks: &[f64]) -> DVector<f64
 mod tests {
     use std::sync::Arc;
 
+    use kf_core::effect::{Clock, EffectId, Regressor};
+
+    use super::super::candidates::Candidate;
     use super::super::noise::{GaussMarkov, NoisePrior, SensorNoise};
+    use super::super::physical_range::Bounds;
+    use super::super::suspects::Regressors;
     use super::*;
 
     /// White noise in each block, metres.
@@ -203,6 +268,13 @@ mod tests {
         first: impl Fn(u32) -> f64,
         second: impl Fn(u32) -> f64,
     ) -> f64 {
+        let series = two_columns(sensor, first, second);
+        with(series, |problem| exposure(problem, &noise(wander_m), &[0], &[1]).unwrap()[0])
+    }
+
+    /// A flight whose residual is three times the first column, on a sensor, and 0.2 times the second, on the
+    /// barometer.
+    fn two_columns(sensor: usize, first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64) -> Series {
         let mut series = Series {
             block_s: 1.0,
             full_block: [10.0; SENSORS],
@@ -224,11 +296,14 @@ mod tests {
                 Arc::make_mut(all).push(column);
             }
         }
+        series
+    }
+
+    fn with<R>(series: Series, of: impl Fn(&Problem<'_>) -> R) -> R {
         let flights = [series];
         let model = model::Model::default();
         let prior = NoisePrior::new(&flights, &model.reference, &model.sensors);
-        let problem = Problem::new(&flights, prior, Vec::new(), &executor::Inline);
-        exposure(&problem, &noise(wander_m), &[0], &[1]).unwrap()[0]
+        of(&Problem::new(&flights, prior, Vec::new(), &executor::Inline))
     }
 
     /// Squares of three metres in each of this many blocks.
@@ -244,6 +319,46 @@ mod tests {
     #[test]
     fn an_effect_over_all_of_a_flight_counts_by_its_tenths() {
         assert_is(towards(BARO, kept, added), squares(BLOCKS) / 10.0);
+    }
+
+    /// The relative variance that the first column's coefficient has by errors of shapes, with shares of one
+    /// in a hundred.
+    fn relative_variance(first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64, others: &[usize]) -> f64 {
+        let candidates = [EffectId::BaroLag, EffectId::BaroScale]
+            .map(|id| Candidate::of(Regressor { id, time_constant_s: 0.0, since: Clock::Launch }));
+        let bounds = Bounds { range: [-10.0, 10.0], scale: 0.0 };
+        let regressors = Regressors {
+            noise_m2: vec![0.0; 2],
+            is_rough: vec![false; 2],
+            shape: vec![0.01; 2],
+            bounds: vec![bounds; 2],
+        };
+        let suspects = Suspects::new(&candidates, regressors, vec![0, 1]);
+        let variance = with(two_columns(BARO, first, second), |problem| {
+            variance_of_coefficient(problem, &suspects, &noise(NONE_M), 0, others)
+        });
+        variance.unwrap() / 9.0
+    }
+
+    /// An effect that is spread evenly has a tenth of `S`; one in a single tenth has all of it.
+    #[test]
+    fn a_coefficient_is_uncertain_by_its_shape() {
+        let none = |_| 0.0;
+        let even = relative_variance(kept, none, &[]);
+        assert!((even - 0.01 / 10.0).abs() < 1e-5, "{even}");
+        let within = |block: u32| if (36..48).contains(&block) { kept(block) } else { 0.0 };
+        let one = relative_variance(within, none, &[]);
+        assert!((one - 0.01).abs() < 1e-4, "{one}");
+    }
+
+    /// Beside a column that is like it in half of the flight, the two halves show the coefficient by 1 : 5, and
+    /// the errors of both effects count: a third more than a tenth of `S`.
+    #[test]
+    fn a_coefficient_is_more_uncertain_beside_a_column_like_it() {
+        let like = |block| if block < 60 { kept(block) } else { added(block) };
+        let beside = relative_variance(kept, like, &[1]);
+        let expected = 0.01 / 10.0 * 4.0 / 3.0 * (1.0 + (0.2_f64 / 3.0).powi(2));
+        assert!((beside / expected - 1.0).abs() < 1e-4, "{beside} {expected}");
     }
 
     /// All of the effect lies in the fourth tenth, where half of the direction lies; the other half lies in

@@ -81,11 +81,10 @@ fn sized<const STATES: usize>(problem: &LearningProblem, terms: usize) -> Result
     let unit = unit(term);
     let coefficient = f64::from(filter.tail()[COEFFICIENTS]) * unit;
     let variance = f64::from(filter.variance(COEFFICIENTS)) * unit * unit;
-    let (scale, unsteadiness) = (problem.scale * coefficient, problem.unsteadiness);
     Ok(Learned {
         coefficient,
         filter_sigma: variance.sqrt(),
-        sigma: (variance * problem.inflation + scale * scale + unsteadiness * unsteadiness).sqrt(),
+        sigma: (variance * problem.inflation + problem.beyond_noise).sqrt(),
     })
 }
 

@@ -6,7 +6,7 @@ use kf_core::sensor::{SENSORS, Sensor};
 use super::{Findings, Judge};
 use crate::diagnose::diagnosis::{CandidateFacts, NoiseFacts, SensorWander};
 use crate::diagnose::held_out::{self, HeldOut};
-use crate::diagnose::roughness::{scale, unsteadiness};
+use crate::diagnose::roughness::unsteadiness;
 
 impl Judge<'_> {
     /// How much of the residual an effect makes in free flight beside the chosen ones, rms, metres.
@@ -102,10 +102,10 @@ impl Judge<'_> {
         let coefficient = *solution.coefficients.last()?;
         let at = findings.explanation.columns.iter().position(|chosen| *chosen == column);
         let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
-        let scale = scale(self.epochs, candidate.effect());
+        let of_noise = solution.covariance[n * n - 1] * inflation;
+        let sigma = (of_noise + self.beyond_noise(findings, column)).sqrt();
         let unsteadiness = unsteadiness(candidate.effect(), self.has_climb_rate);
-        let variance = solution.covariance[n * n - 1] * inflation + unsteadiness * unsteadiness;
-        let sigma = (variance + (scale * coefficient) * (scale * coefficient)).sqrt();
+        let variance = of_noise + unsteadiness * unsteadiness;
         let rms = |errors: HeldOut| match candidate.sensor() {
             Some(sensor) => errors.rms_m(sensor.index()),
             None => errors.rms_all_m(),

@@ -8,7 +8,6 @@ use crate::diagnose::learning_problem::{LearningProblem, Nuisance, Term};
 use crate::diagnose::noise::Noise;
 use crate::diagnose::posterior::Posterior;
 use crate::diagnose::repeatability::repeatability;
-use crate::diagnose::roughness::{scale, unsteadiness};
 use crate::diagnose::search::{Explanation, Search};
 use crate::progress::{Cancelled, Progress, step};
 
@@ -79,7 +78,6 @@ impl Judge<'_> {
 
     /// The problem with the findings' column of an effect first.
     fn problem_of(&self, findings: &Findings, column: usize) -> Option<LearningProblem> {
-        let effect = self.candidates[column].effect();
         let columns = &findings.explanation.columns;
         let others: Vec<usize> = columns.iter().copied().filter(|other| *other != column).collect();
         let facts = self.candidate(findings, column, &others, columns)?;
@@ -107,8 +105,7 @@ impl Judge<'_> {
             terms: free.chain(known).collect(),
             wind: wind.try_into().ok(),
             inflation,
-            scale: scale(self.epochs, effect),
-            unsteadiness: unsteadiness(effect, self.has_climb_rate),
+            beyond_noise: self.beyond_noise(findings, column),
             facts,
             folds,
             held_out,

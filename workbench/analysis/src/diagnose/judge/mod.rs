@@ -1,7 +1,9 @@
 //! The verdicts.
 
+mod additional;
 mod advise;
 mod facts;
+mod interval;
 mod learning_problem;
 mod probable;
 mod pruning;

@@ -10,14 +10,10 @@
 //! How probable an effect is within the set depends on the gains alone, as in `rivals.rs`: how large an effect
 //! can be does not show which of two acts.
 
-use std::collections::BTreeMap;
-
-use kf_core::effect::EffectId;
-
 use super::probable::EMPTY;
 use super::{Findings, Judge, Set, with};
 use crate::diagnose::repeatability::{inflation, repeatability};
-use crate::diagnose::rivals::{Rivals, price, share};
+use crate::diagnose::rivals::{Rivals, price};
 use crate::diagnose::search::{Explanation, Search};
 use crate::diagnose::shape_error;
 use crate::diagnose::weigher::POWER;
@@ -97,34 +93,16 @@ impl Judge<'_> {
     }
 
     /// The effects that could act on sensors for which none was chosen: the column of each that fits best
-    /// under the chosen noise, and the share of its columns that fit as well: its time constants, and the
-    /// assumed errors of its signals, are equally probable.
+    /// under the chosen noise, and the share of its columns that fit as well.
     fn addable(&self, findings: &Findings, beside: &Explanation, found: &[Rivals]) -> Vec<(usize, f64)> {
-        let chosen = &beside.columns;
         let information = self.suspects.information(self.problem, &beside.fit.noise);
         let sets: Vec<Set> = findings.rivals.iter().chain(found).map(|rivals| self.set(rivals)).collect();
-        let mut columns: BTreeMap<EffectId, Vec<(usize, f64)>> = BTreeMap::new();
-        for column in self.suspects.usable().iter().copied() {
-            let candidate = &self.candidates[column];
-            let is_chosen = chosen.iter().any(|other| self.suspects.same_effect(*other, column));
-            if is_chosen
-                || sets.iter().any(|set| set.concerns(candidate.sensor()))
-                || (candidate.sensor().is_none() && !found.is_empty())
-            {
-                continue;
-            }
-            let set = with(chosen, column);
-            let solution = information.solve(&self.suspects.positions(&set));
-            let possible = solution.filter(|solution| self.suspects.is_possible(&set, solution));
-            let rest = possible.map_or(f64::INFINITY, |solution| solution.rest);
-            columns.entry(candidate.effect()).or_default().push((column, rest));
-        }
-        let best = columns.into_values().filter_map(|columns| {
-            let (column, least) = columns.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
-            let share = share(columns.iter().map(|(_, rest)| rest - least), POWER);
-            least.is_finite().then_some((column, share))
-        });
-        best.collect()
+        let is_wanted = |column: usize| {
+            let sensor = self.candidates[column].sensor();
+            !sets.iter().any(|set| set.concerns(sensor)) && (sensor.is_some() || found.is_empty())
+        };
+        let additional = self.additional(&information, &beside.columns, is_wanted);
+        additional.into_iter().map(|additional| (additional.column, additional.share)).collect()
     }
 
     /// Weighs an effect, of whose columns this is the best one, against nothing. `None` where it gains
