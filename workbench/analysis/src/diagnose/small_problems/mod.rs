@@ -2,6 +2,7 @@
 //! sines, chosen coefficients. One file for each part of the diagnosis that they test.
 
 mod free_flight_excess;
+mod interval;
 mod judge;
 mod long_run;
 mod noise_prior;

@@ -1,0 +1,95 @@
+//! The intervals of coefficients.
+
+use std::ops::ControlFlow;
+
+use super::*;
+use crate::diagnose::diagnosis::CandidateFacts;
+use crate::diagnose::judge::Judge;
+use crate::diagnose::search::Search;
+
+const BLOCKS: usize = 400;
+
+/// The facts of an effect that is found on a flight with a measured climb rate.
+fn found(small: &Small, effect: EffectId) -> CandidateFacts {
+    let epochs = [small.epochs(&[])];
+    let flights = [small.series.clone()];
+    let (problem, suspects) = (problem(&flights), small.suspects());
+    let mut search = Search::new(&problem, &suspects);
+    let explanation = search.run(&mut || ControlFlow::Continue(())).unwrap();
+    let judge = Judge {
+        problem: &problem,
+        held: None,
+        candidates: &small.candidates,
+        suspects: &suspects,
+        epochs: &epochs,
+        has_climb_rate: true,
+    };
+    let diagnosis = judge.verdicts(&mut search, explanation, &mut || ControlFlow::Continue(())).unwrap().0;
+    let facts = &diagnosis.sensors["baro"].candidates;
+    let own = facts.iter().find(|facts| facts.effect == effect.name()).unwrap();
+    assert!(own.chosen, "{facts:?}");
+    own.clone()
+}
+
+/// A warming up since launch with that time constant, as a share of its end.
+fn warmed(time_constant_s: f64) -> impl Fn(usize) -> f64 {
+    move |block| {
+        let since_s = block.saturating_sub(BLOCKS / 2) as f64;
+        1.0 - (-since_s / time_constant_s).exp()
+    }
+}
+
+/// Warming ups with the time constants of a grid.
+fn with_grid(mut small: Small, times_s: &[f32]) -> Small {
+    for time_s in times_s {
+        small = small.candidate(EffectId::BaroWarmUp, warmed(f64::from(*time_s)));
+        let last = small.candidates.len() - 1;
+        small.candidates[last].regressor.time_constant_s = *time_s;
+    }
+    small
+}
+
+/// The grid's nearest time constant gives a coefficient that is wrong by far more than the noise. The interval
+/// contains the true one, because it counts the step of the grid.
+#[test]
+fn a_time_constant_between_the_grids_is_in_the_interval() {
+    const TRUE: f64 = 8.0;
+    let of = |grid: &[f32], true_s: f64| {
+        let small = Small::new(BLOCKS, 3).error(move |block| TRUE * warmed(true_s)(block));
+        found(&with_grid(small, grid), EffectId::BaroWarmUp)
+    };
+    let grid = [30.0, 90.0, 270.0];
+    let between = of(&grid, 150.0);
+    let error = (between.coefficient - TRUE).abs();
+    assert!(error < 1.96 * between.sigma, "{between:?}");
+    // On a grid of one time constant there is no step.
+    let alone = of(&[150.0], 150.0);
+    assert!(error > 1.96 * alone.sigma && (alone.coefficient - TRUE).abs() < 3.0 * alone.sigma, "{alone:?}");
+}
+
+/// Errors of the shape and of the signal's scale count where nothing else is uncertain, whatever the noise:
+/// half of a tenth of the shape's share (1 %, in squares) for an effect that is spread evenly over the flight,
+/// and 2 %.
+#[test]
+fn an_effect_far_above_the_noise_is_uncertain_by_its_shape() {
+    let small = Small::new(BLOCKS, 5).candidate(EffectId::BaroAcceleration, |block| 100.0 * sine(0, block));
+    let facts = found(&small.error(|block| 2.0 * 100.0 * sine(0, block)), EffectId::BaroAcceleration);
+    let relative = facts.sigma / facts.coefficient;
+    let expected = (0.5_f64 * 0.01 / 10.0 + 0.02 * 0.02).sqrt();
+    assert!((relative / expected - 1.0).abs() < 0.1, "{relative} {expected}");
+}
+
+/// A part of another effect, too weak to be found, may hide in a coefficient that it is correlated with: the
+/// interval is wider beside such a suspect than without one.
+#[test]
+fn an_effect_that_may_act_too_widens_the_interval() {
+    let alone = || {
+        let small = Small::new(BLOCKS, 7).candidate(EffectId::BaroAcceleration, |block| sine(0, block));
+        small.error(|block| 0.6 * sine(0, block) + 0.25 * (sine(0, block) + sine(1, block)))
+    };
+    let without = found(&alone(), EffectId::BaroAcceleration);
+    let both = alone().candidate(EffectId::BaroPropwash, |block| sine(0, block) + sine(1, block));
+    let with = found(&both, EffectId::BaroAcceleration);
+    assert!((with.coefficient - without.coefficient).abs() < 1e-9, "{with:?} {without:?}");
+    assert!(with.sigma > 1.01 * without.sigma, "{} {}", with.sigma, without.sigma);
+}
