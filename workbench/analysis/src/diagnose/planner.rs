@@ -18,6 +18,7 @@ use super::diagnosis::Diagnosis;
 use super::excitation::SEEN_SIGMAS;
 use super::from_replay::epochs;
 use super::information::{Information, Solution};
+use super::judge::interval::BeyondNoise;
 use super::judge::{SUSPECT, is_lift};
 use super::named_replay::NamedReplay;
 use super::noise::{Noise, NoisePrior};
@@ -56,8 +57,8 @@ struct Planned {
     column: usize,
     /// Factor by which the variance of its coefficient exceeds that of its fit.
     inflation: f64,
-    /// Variance of the coefficient beyond that of the noise, in its unit squared. It stays with further flights.
-    beyond_noise: f64,
+    /// Variance of the coefficient beyond that of the noise.
+    beyond_noise: BeyondNoise,
 }
 
 /// A set that the flights cannot tell apart.
@@ -255,7 +256,12 @@ impl Planner {
         let now = self.fit(&self.information, of.column);
         let coefficient = now.map(|(coefficient, _)| coefficient);
         // The coefficient stays as it is: the planned flight's readings are not known.
-        let sigma = |(_, variance): (f64, f64)| (variance * of.inflation + of.beyond_noise).sqrt();
+        let sigma = |(_, variance): (f64, f64)| {
+            // A column that does not move now has nothing beyond its noise.
+            let of_noise = now.map_or(1.0, |(_, now)| variance / now);
+            let beyond = of.beyond_noise.lasting + of.beyond_noise.passing * of_noise;
+            (variance * of.inflation + beyond).sqrt()
+        };
         let then = self.fit(both, of.column);
         let largest = effect.plausible().iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())));
         let is_seen = |fit: Option<(f64, f64)>| {

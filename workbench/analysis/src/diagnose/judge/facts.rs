@@ -103,7 +103,7 @@ impl Judge<'_> {
         let at = findings.explanation.columns.iter().position(|chosen| *chosen == column);
         let inflation = at.and_then(|at| findings.inflation.get(at)).copied().unwrap_or(1.0);
         let of_noise = solution.covariance[n * n - 1] * inflation;
-        let sigma = (of_noise + self.beyond_noise(findings, column)).sqrt();
+        let sigma = (of_noise + self.beyond_noise(findings, column).sum()).sqrt();
         let unsteadiness = unsteadiness(candidate.effect(), self.has_climb_rate);
         let variance = of_noise + unsteadiness * unsteadiness;
         let rms = |errors: HeldOut| match candidate.sensor() {

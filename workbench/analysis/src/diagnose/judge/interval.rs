@@ -24,23 +24,43 @@ const WITHIN_STEP: f64 = 1.0 / 12.0;
 /// 100 % (docs/blind-trials.md).
 const OF_THE_BOUND: f64 = 0.5;
 
+/// The variance of a coefficient beyond that of the noise, in its unit squared.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::diagnose) struct BeyondNoise {
+    /// What further flights of the same vehicle leave as it is.
+    pub(in crate::diagnose) lasting: f64,
+    /// What is another error in every part of every flight, so that further flights reduce it as they reduce
+    /// the noise.
+    pub(in crate::diagnose) passing: f64,
+}
+
+impl BeyondNoise {
+    pub(in crate::diagnose) fn sum(self) -> f64 {
+        self.lasting + self.passing
+    }
+}
+
 impl Judge<'_> {
     /// The variance of a column's coefficient beside the chosen columns of other effects, beyond that of the
-    /// noise, in its unit squared.
-    pub(in crate::diagnose) fn beyond_noise(&self, findings: &Findings, column: usize) -> f64 {
+    /// noise.
+    pub(in crate::diagnose) fn beyond_noise(&self, findings: &Findings, column: usize) -> BeyondNoise {
         let others = findings.explanation.columns.iter().copied();
         let others: Vec<usize> = others.filter(|other| !self.suspects.same_effect(*other, column)).collect();
-        let Some(coefficient) = self.coefficient(findings, &others, column) else { return 0.0 };
+        let Some(coefficient) = self.coefficient(findings, &others, column) else {
+            return BeyondNoise::default();
+        };
         let effect = self.candidates[column].effect();
         let unsteadiness = unsteadiness(effect, self.has_climb_rate);
-        let mut variance = (scale(self.epochs, effect) * coefficient).powi(2)
+        let lasting = (scale(self.epochs, effect) * coefficient).powi(2)
             + unsteadiness * unsteadiness
             + self.of_its_columns(findings, &others, column);
-        if self.has_climb_rate {
-            variance += self.of_shapes(findings, &others, column);
-            variance += self.of_effects_not_chosen(findings, &others, column, coefficient);
-        }
-        variance
+        let passing = if self.has_climb_rate {
+            self.of_shapes(findings, &others, column)
+                + self.of_effects_not_chosen(findings, &others, column, coefficient)
+        } else {
+            0.0
+        };
+        BeyondNoise { lasting, passing }
     }
 
     /// A column's coefficient together with these; `None` where they cannot be told apart.

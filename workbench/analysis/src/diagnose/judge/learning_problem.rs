@@ -105,7 +105,7 @@ impl Judge<'_> {
             terms: free.chain(known).collect(),
             wind: wind.try_into().ok(),
             inflation,
-            beyond_noise: self.beyond_noise(findings, column),
+            beyond_noise: self.beyond_noise(findings, column).sum(),
             facts,
             folds,
             held_out,

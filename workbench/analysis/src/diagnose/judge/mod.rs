@@ -3,7 +3,7 @@
 mod additional;
 mod advise;
 mod facts;
-mod interval;
+pub(super) mod interval;
 mod learning_problem;
 mod probable;
 mod pruning;

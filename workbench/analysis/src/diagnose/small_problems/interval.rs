@@ -1,30 +1,14 @@
 //! The intervals of coefficients.
 
-use std::ops::ControlFlow;
-
+use super::judge::diagnosed;
 use super::*;
 use crate::diagnose::diagnosis::CandidateFacts;
-use crate::diagnose::judge::Judge;
-use crate::diagnose::search::Search;
 
 const BLOCKS: usize = 400;
 
 /// The facts of an effect that is found on a flight with a measured climb rate.
 fn found(small: &Small, effect: EffectId) -> CandidateFacts {
-    let epochs = [small.epochs(&[])];
-    let flights = [small.series.clone()];
-    let (problem, suspects) = (problem(&flights), small.suspects());
-    let mut search = Search::new(&problem, &suspects);
-    let explanation = search.run(&mut || ControlFlow::Continue(())).unwrap();
-    let judge = Judge {
-        problem: &problem,
-        held: None,
-        candidates: &small.candidates,
-        suspects: &suspects,
-        epochs: &epochs,
-        has_climb_rate: true,
-    };
-    let diagnosis = judge.verdicts(&mut search, explanation, &mut || ControlFlow::Continue(())).unwrap().0;
+    let diagnosis = diagnosed(small, true);
     let facts = &diagnosis.sensors["baro"].candidates;
     let own = facts.iter().find(|facts| facts.effect == effect.name()).unwrap();
     assert!(own.chosen, "{facts:?}");

@@ -21,7 +21,7 @@ fn of_baro_with(small: &Small, has_climb_rate: bool) -> SensorDiagnosis {
 }
 
 /// The whole diagnosis of such a flight.
-fn diagnosed(small: &Small, has_climb_rate: bool) -> Diagnosis {
+pub(super) fn diagnosed(small: &Small, has_climb_rate: bool) -> Diagnosis {
     let roll = |block: usize| 0.4 * sine(4, block);
     let airspeed = |_: usize| 30.0;
     let epochs = [small.epochs(&[("roll_rad", &roll), ("tas_mps", &airspeed)])];
