@@ -7,6 +7,7 @@ pub mod campaign;
 pub mod confusion;
 pub mod endurance;
 pub mod laws;
+mod median;
 pub mod monitor_curves;
 pub mod real_logs;
 pub mod real_trials;

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use super::score::Share;
 use super::trial::Trial;
+use crate::median::median;
 
 /// An identified effect's coefficient beside the true one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +34,8 @@ impl Deviation {
     }
 }
 
-/// For each effect, how many intervals contain the truth, and the medians of the relative errors and of the
-/// reported relative sigmas.
+/// For each effect, how many intervals contain the truth, and the (upper) medians of the relative errors and
+/// of the reported relative sigmas.
 #[must_use]
 pub fn intervals(trials: &[Trial]) -> String {
     let mut effects: BTreeMap<&str, Vec<Deviation>> = BTreeMap::new();
@@ -47,10 +48,7 @@ pub fn intervals(trials: &[Trial]) -> String {
         let mut covered = Share::default();
         deviations.iter().for_each(|deviation| covered.count(deviation.is_covered()));
         let percent = |of: &dyn Fn(&Deviation) -> f64| {
-            let mut shares: Vec<f64> =
-                deviations.iter().map(|deviation| 100.0 * (of(deviation) / deviation.truth).abs()).collect();
-            shares.sort_by(f64::total_cmp);
-            shares[shares.len() / 2]
+            median(deviations.iter().map(|one| 100.0 * (of(one) / one.truth).abs()).collect())
         };
         let _ = writeln!(
             text,

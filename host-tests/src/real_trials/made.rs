@@ -10,6 +10,7 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 
 use super::noise::{heavy, steps, wander};
+use crate::median::median;
 
 /// Half of the width of the window beyond which noise counts as slow, seconds.
 const SLOW_S: f64 = 15.0;
@@ -227,10 +228,4 @@ fn airspeed(flight: &Flight, used: std::ops::Range<usize>) -> Option<Vec<f64>> {
         })
         .collect();
     Some(smoothed(&flight.time_s, &samples, SMOOTH_S))
-}
-
-/// The median; 0 for an empty list.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

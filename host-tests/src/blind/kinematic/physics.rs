@@ -96,7 +96,7 @@ pub(super) fn barometer_pa(flight: &[TruthSample], effects: &[Effect], is_hose: 
 /// from launch on.
 pub(super) fn inertial_error_m(flight: &[TruthSample], effects: &[Effect]) -> Vec<f64> {
     let (Some(start), Some(first)) = (launch(flight), flight.first()) else { return Vec::new() };
-    // The specific force of gravity is calibrated where the calibration begins.
+    // The catalogue's h0: gravity is calibrated where the calibration begins (DESIGN.md).
     let calibrated_at_m = first.altitude_m;
     let velocity_mps: f64 =
         effects.iter().filter(|e| e.id == EffectId::ImuVelocityError).map(|e| e.coefficient).sum();

@@ -57,8 +57,8 @@ fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize
     Some(sums.into_iter().map(|sum| sum / length).collect())
 }
 
-/// The variance that the errors of the shapes of a column and of others give that column's coefficient, in
-/// its unit squared. `None` where they cannot be told apart.
+/// The variance that the errors of the shapes of some columns give the last one's coefficient, in its unit
+/// squared. `None` where they cannot be told apart.
 ///
 /// The coefficient is the residual along what the others leave of the column, `x`, over the squares of `x`.
 /// So the error of a shape moves it by `e x / (x x)`, of which the module's bound holds along `x`. Where one
@@ -68,16 +68,15 @@ pub fn variance_of_coefficient(
     problem: &Problem<'_>,
     suspects: &Suspects<'_>,
     noise: &Noise,
-    column: usize,
-    others: &[usize],
+    columns: &[usize],
 ) -> Option<f64> {
-    let picks: Vec<usize> = others.iter().copied().chain([column]).collect();
-    let normal = Normal::new(problem, noise, picks);
-    let all: Vec<usize> = (0..normal.picks.len()).collect();
+    let normal = Normal::new(problem, noise, columns.to_vec());
+    let all: Vec<usize> = (0..columns.len()).collect();
     let put = normal.information.solve(&all)?.coefficients;
-    let mut own = vec![0.0; normal.picks.len()];
-    own[others.len()] = 1.0;
-    let (length, sums) = normal.exposed(problem, noise, &all[..others.len()], own, &put)?;
+    let others = all.split_last()?.1;
+    let mut own = vec![0.0; others.len()];
+    own.push(1.0);
+    let (length, sums) = normal.exposed(problem, noise, others, own, &put)?;
     let shapes = normal.picks.iter().zip(sums).map(|(column, sum)| suspects.shape(*column) * sum);
     Some(shapes.sum::<f64>() / (length * length))
 }
@@ -322,8 +321,8 @@ mod tests {
     }
 
     /// The relative variance that the first column's coefficient has by errors of shapes, with shares of one
-    /// in a hundred.
-    fn relative_variance(first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64, others: &[usize]) -> f64 {
+    /// in a hundred. It is the last of these columns.
+    fn relative_variance(first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64, columns: &[usize]) -> f64 {
         let candidates = [EffectId::BaroLag, EffectId::BaroScale]
             .map(|id| Candidate::of(Regressor { id, time_constant_s: 0.0, since: Clock::Launch }));
         let bounds = Bounds { range: [-10.0, 10.0], scale: 0.0 };
@@ -335,7 +334,7 @@ mod tests {
         };
         let suspects = Suspects::new(&candidates, regressors, vec![0, 1]);
         let variance = with(two_columns(BARO, first, second), |problem| {
-            variance_of_coefficient(problem, &suspects, &noise(NONE_M), 0, others)
+            variance_of_coefficient(problem, &suspects, &noise(NONE_M), columns)
         });
         variance.unwrap() / 9.0
     }
@@ -344,10 +343,10 @@ mod tests {
     #[test]
     fn a_coefficient_is_uncertain_by_its_shape() {
         let none = |_| 0.0;
-        let even = relative_variance(kept, none, &[]);
+        let even = relative_variance(kept, none, &[0]);
         assert!((even - 0.01 / 10.0).abs() < 1e-5, "{even}");
         let within = |block: u32| if (36..48).contains(&block) { kept(block) } else { 0.0 };
-        let one = relative_variance(within, none, &[]);
+        let one = relative_variance(within, none, &[0]);
         assert!((one - 0.01).abs() < 1e-4, "{one}");
     }
 
@@ -356,7 +355,7 @@ mod tests {
     #[test]
     fn a_coefficient_is_more_uncertain_beside_a_column_like_it() {
         let like = |block| if block < 60 { kept(block) } else { added(block) };
-        let beside = relative_variance(kept, like, &[1]);
+        let beside = relative_variance(kept, like, &[1, 0]);
         let expected = 0.01 / 10.0 * 4.0 / 3.0 * (1.0 + (0.2_f64 / 3.0).powi(2));
         assert!((beside / expected - 1.0).abs() < 1e-4, "{beside} {expected}");
     }

@@ -81,9 +81,7 @@ impl Judge<'_> {
     /// Whether the coefficient that a candidate would have together with the chosen ones is physically
     /// possible.
     fn is_suspect(&self, findings: &Findings, column: usize) -> bool {
-        let others =
-            findings.explanation.columns.iter().filter(|other| !self.suspects.same_effect(**other, column));
-        let set: Vec<usize> = others.copied().chain([column]).collect();
+        let set = self.columns_beside(findings, column);
         let solution = findings.information.solve(&self.suspects.positions(&set));
         solution.is_none_or(|solution| self.suspects.is_possible(&set, &solution))
     }

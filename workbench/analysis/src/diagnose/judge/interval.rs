@@ -2,13 +2,14 @@
 //!
 //! An interval is to contain the true coefficient as often as it says. The fit's variance assumes that its
 //! columns are exact and that nothing else acts. What may be wrong about that is added, each as a variance:
-//! the share of the coefficient that is uncertain because a signal is only roughly known ([`scale`]); the air's
-//! unsteadiness; other time constants and signal errors of the same effect. Where the climb rate is measured, also errors of
-//! the effects' shapes ([`shape_error`]), constant errors of the accelerations ([`offset_acceleration`]), and
-//! effects that were not chosen but may act. Without it, sets of effects are averaged elsewhere
-//! (`posterior.rs`).
+//! the share of the coefficient that is uncertain because a signal is only roughly known ([`scale`]); the
+//! air's unsteadiness; other time constants and signal errors of the same effect. Where the climb rate is
+//! measured, also errors of the effects' shapes ([`shape_error`]), a constant error of the forward
+//! acceleration ([`offset_acceleration`]), and effects that were not chosen but may act. Without it, sets of
+//! effects are averaged elsewhere (`posterior.rs`).
 
-use super::{Findings, Judge, with};
+use super::{Findings, Judge};
+use crate::diagnose::information::Solution;
 use crate::diagnose::offset_acceleration;
 use crate::diagnose::rivals::price;
 use crate::diagnose::roughness::{scale, unsteadiness};
@@ -40,75 +41,79 @@ impl BeyondNoise {
     }
 }
 
+/// A column beside the chosen columns of other effects.
+struct Own<'a> {
+    column: usize,
+    /// The chosen columns of other effects, followed by this one.
+    columns: &'a [usize],
+    /// Their fit.
+    fit: &'a Solution,
+}
+
+impl Own<'_> {
+    fn coefficient(&self) -> f64 {
+        self.fit.coefficients.last().copied().unwrap_or(0.0)
+    }
+}
+
 impl Judge<'_> {
     /// The variance of a column's coefficient beside the chosen columns of other effects, beyond that of the
     /// noise.
     pub(in crate::diagnose) fn beyond_noise(&self, findings: &Findings, column: usize) -> BeyondNoise {
-        let others = findings.explanation.columns.iter().copied();
-        let others: Vec<usize> = others.filter(|other| !self.suspects.same_effect(*other, column)).collect();
-        let Some(coefficient) = self.coefficient(findings, &others, column) else {
+        let columns = self.columns_beside(findings, column);
+        let Some(fit) = findings.information.solve(&self.suspects.positions(&columns)) else {
             return BeyondNoise::default();
         };
+        let own = Own { column, columns: &columns, fit: &fit };
         let effect = self.candidates[column].effect();
         let unsteadiness = unsteadiness(effect, self.has_climb_rate);
-        let lasting = (scale(self.epochs, effect) * coefficient).powi(2)
+        let lasting = (scale(self.epochs, effect) * own.coefficient()).powi(2)
             + unsteadiness * unsteadiness
-            + self.of_its_columns(findings, &others, column);
+            + self.of_its_columns(findings, &own);
         let passing = if self.has_climb_rate {
-            self.of_shapes(findings, &others, column)
-                + self.of_effects_not_chosen(findings, &others, column, coefficient)
+            self.of_shapes(findings, &own) + self.of_effects_not_chosen(findings, &own)
         } else {
             0.0
         };
         BeyondNoise { lasting, passing }
     }
 
-    /// A column's coefficient together with these; `None` where they cannot be told apart.
-    fn coefficient(&self, findings: &Findings, others: &[usize], column: usize) -> Option<f64> {
-        let picks: Vec<usize> = others.iter().copied().chain([column]).collect();
-        findings.information.solve(&self.suspects.positions(&picks))?.coefficients.last().copied()
-    }
-
-    /// Errors of the shapes, and constant errors of the accelerations.
-    fn of_shapes(&self, findings: &Findings, others: &[usize], column: usize) -> f64 {
+    /// Errors of the shapes, and a constant error of the forward acceleration. Columns that cannot be told
+    /// apart have no fit, so both variances exist.
+    fn of_shapes(&self, findings: &Findings, own: &Own<'_>) -> f64 {
         let noise = &findings.explanation.fit.noise;
-        let picks: Vec<usize> = others.iter().copied().chain([column]).collect();
-        let of_shapes =
-            shape_error::variance_of_coefficient(self.problem, self.suspects, noise, column, others);
-        let of_accelerations =
-            findings.information.solve(&self.suspects.positions(&picks)).and_then(|solution| {
-                let effects = picks.iter().map(|column| self.candidates[*column].effect());
-                let effects: Vec<_> = effects.zip(solution.coefficients).collect();
-                offset_acceleration::variance(self.problem, noise, &picks, &effects)
-            });
-        // Columns that cannot be told apart have no coefficient, and get no interval.
-        OF_THE_BOUND * of_shapes.unwrap_or(0.0) + of_accelerations.unwrap_or(0.0)
+        let of_shapes = shape_error::variance_of_coefficient(self.problem, self.suspects, noise, own.columns);
+        let effects = own.columns.iter().map(|column| self.candidates[*column].effect());
+        let effects: Vec<_> = effects.zip(own.fit.coefficients.iter().copied()).collect();
+        let of_acceleration = offset_acceleration::variance(self.problem, noise, own.columns, &effects);
+        OF_THE_BOUND * of_shapes.unwrap_or(0.0) + of_acceleration.unwrap_or(0.0)
     }
 
     /// Other columns of the same effect, each as probable as it fits well, with the coefficient that it would
     /// have; and that the true time constant lies between those of the grid.
-    fn of_its_columns(&self, findings: &Findings, others: &[usize], column: usize) -> f64 {
-        let regressor = &self.candidates[column].regressor;
-        let own = self.suspects.usable().iter().copied();
-        let fits: Vec<(usize, f64, f64)> = own
-            .filter(|other| self.suspects.same_effect(*other, column))
-            .filter_map(|own| {
-                let set: Vec<usize> = others.iter().copied().chain([own]).collect();
-                let solution = findings.information.solve(&self.suspects.positions(&set))?;
-                let is_possible = own == column || self.suspects.is_possible(&set, &solution);
-                is_possible.then_some((own, *solution.coefficients.last()?, solution.rest))
+    fn of_its_columns(&self, findings: &Findings, own: &Own<'_>) -> f64 {
+        let regressor = &self.candidates[own.column].regressor;
+        let (coefficient, rest) = (own.coefficient(), own.fit.rest);
+        let same = self.suspects.usable().iter().copied();
+        let same = same.filter(|other| self.suspects.same_effect(*other, own.column));
+        let fits: Vec<(usize, f64, f64)> = same
+            .filter_map(|column| {
+                if column == own.column {
+                    return Some((column, coefficient, rest));
+                }
+                let set = self.columns_beside(findings, column);
+                let fit = findings.information.solve(&self.suspects.positions(&set))?;
+                let is_possible = self.suspects.is_possible(&set, &fit);
+                is_possible.then_some((column, *fit.coefficients.last()?, fit.rest))
             })
             .collect();
-        let Some((_, coefficient, rest)) = fits.iter().copied().find(|(own, ..)| *own == column) else {
-            return 0.0;
-        };
         let weight = |other_rest: f64| libm::exp(-0.5 * POWER * (other_rest - rest).max(0.0));
         let total: f64 = fits.iter().map(|(.., rest)| weight(*rest)).sum();
         let spread = fits.iter().map(|(_, value, rest)| weight(*rest) * (value - coefficient).powi(2));
         let mut variance = spread.sum::<f64>() / total;
         // The next longer and the next shorter time constant of the same clock.
-        let grid = fits.iter().filter_map(|(own, value, _)| {
-            let other = &self.candidates[*own].regressor;
+        let grid = fits.iter().filter_map(|(column, value, _)| {
+            let other = &self.candidates[*column].regressor;
             let times = f64::from(other.time_constant_s) / f64::from(regressor.time_constant_s);
             (other.since == regressor.since && times > 0.0).then(|| (libm::log(times), value - coefficient))
         });
@@ -127,39 +132,33 @@ impl Judge<'_> {
 
     /// Effects that were not chosen on this sensor or on the reference: how far the coefficient would move
     /// beside each, with the probability that it acts.
-    fn of_effects_not_chosen(
-        &self,
-        findings: &Findings,
-        others: &[usize],
-        column: usize,
-        coefficient: f64,
-    ) -> f64 {
-        let chosen = with(others, column);
-        let subject = self.candidates[column].sensor();
+    fn of_effects_not_chosen(&self, findings: &Findings, own: &Own<'_>) -> f64 {
+        let mut chosen = own.columns.to_vec();
+        chosen.sort_unstable();
+        let subject = self.candidates[own.column].sensor();
         let is_on_it = |other: usize| {
             let sensor = self.candidates[other].sensor();
             sensor.is_none() || subject.is_none() || sensor == subject
         };
-        let Some(before) = findings.information.solve(&self.suspects.positions(&chosen)) else { return 0.0 };
         let noise = &findings.explanation.fit.noise;
         let (mut moved, mut total) = (0.0, 1.0);
         for other in self.additional(&findings.information, &chosen, is_on_it) {
             let at = |wanted: usize| other.set.iter().position(|column| *column == wanted);
-            let (Some(own), Some(added)) = (at(column), at(other.column)) else { continue };
+            let (Some(of_own), Some(added)) = (at(own.column), at(other.column)) else { continue };
             // Where the two cannot be told apart, the coefficient says nothing of the other effect.
             let Some(of_shapes) =
                 shape_error::variance(self.problem, self.suspects, noise, &chosen, &[other.column])
             else {
                 continue;
             };
-            let gain = (before.rest - other.solution.rest).max(0.0);
+            let gain = (own.fit.rest - other.solution.rest).max(0.0);
             let effect = self.candidates[other.column].effect();
             let odds = libm::exp(
                 0.5 * gain / (1.0 / POWER + of_shapes)
                     + price(effect, &other.solution, added)
                     + libm::log(other.share),
             );
-            moved += odds * (other.solution.coefficients[own] - coefficient).powi(2);
+            moved += odds * (other.solution.coefficients[of_own] - own.coefficient()).powi(2);
             total += odds;
         }
         moved / total

@@ -330,12 +330,15 @@ impl Judge<'_> {
         best.into_values().map(|(_, column)| column).collect()
     }
 
-    /// Positions of the chosen columns of other effects, followed by this one.
+    /// The chosen columns of other effects, followed by this one.
+    pub(super) fn columns_beside(&self, findings: &Findings, column: usize) -> Vec<usize> {
+        let chosen = findings.explanation.columns.iter().copied();
+        chosen.filter(|other| !self.suspects.same_effect(*other, column)).chain([column]).collect()
+    }
+
+    /// Their positions.
     pub(super) fn beside(&self, findings: &Findings, column: usize) -> Vec<usize> {
-        let others =
-            findings.explanation.columns.iter().filter(|other| !self.suspects.same_effect(**other, column));
-        let picks: Vec<usize> = others.copied().chain([column]).collect();
-        self.suspects.positions(&picks)
+        self.suspects.positions(&self.columns_beside(findings, column))
     }
 }
 

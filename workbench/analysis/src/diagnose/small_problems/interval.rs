@@ -26,29 +26,29 @@ fn warmed(time_constant_s: f64) -> impl Fn(usize) -> f64 {
 /// Warming ups with the time constants of a grid.
 fn with_grid(mut small: Small, times_s: &[f32]) -> Small {
     for time_s in times_s {
-        small = small.candidate(EffectId::BaroWarmUp, warmed(f64::from(*time_s)));
+        small = small.candidate_in(EffectId::BaroWarmUp, [-100.0, 100.0], warmed(f64::from(*time_s)));
         let last = small.candidates.len() - 1;
         small.candidates[last].regressor.time_constant_s = *time_s;
     }
     small
 }
 
-/// The grid's nearest time constant gives a coefficient that is wrong by far more than the noise. The interval
-/// contains the true one, because it counts the step of the grid.
+/// A strong effect prefers one time constant of the grid by far, whose coefficient is still off by more than the
+/// noise. The interval contains the true one, because it counts half a step of the grid. On a grid of one time
+/// constant there is no step.
 #[test]
 fn a_time_constant_between_the_grids_is_in_the_interval() {
-    const TRUE: f64 = 8.0;
+    const TRUE: f64 = 40.0;
     let of = |grid: &[f32], true_s: f64| {
         let small = Small::new(BLOCKS, 3).error(move |block| TRUE * warmed(true_s)(block));
         found(&with_grid(small, grid), EffectId::BaroWarmUp)
     };
-    let grid = [30.0, 90.0, 270.0];
-    let between = of(&grid, 150.0);
+    let between = of(&[30.0, 90.0, 270.0], 70.0);
+    assert_eq!(between.time_constant_s, Some(90.0));
     let error = (between.coefficient - TRUE).abs();
-    assert!(error < 1.96 * between.sigma, "{between:?}");
-    // On a grid of one time constant there is no step.
-    let alone = of(&[150.0], 150.0);
-    assert!(error > 1.96 * alone.sigma && (alone.coefficient - TRUE).abs() < 3.0 * alone.sigma, "{alone:?}");
+    let alone = of(&[90.0], 90.0);
+    assert!((alone.coefficient - TRUE).abs() < 3.0 * alone.sigma, "{alone:?}");
+    assert!(1.96 * alone.sigma < error && error < 1.96 * between.sigma, "{error}: {between:?} {alone:?}");
 }
 
 /// Errors of the shape and of the signal's scale count where nothing else is uncertain, whatever the noise:
