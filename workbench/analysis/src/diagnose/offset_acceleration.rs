@@ -16,9 +16,9 @@ use super::problem::Problem;
 use super::series::{BySensor, Series};
 
 /// Error of a forward acceleration, m/s^2: pitch and roll are known to a quarter of a degree, and let that
-/// share of gravity in. Data sheets state 0.2 degrees (Xsens MTi-300, static) to 0.5 degrees (VectorNav VN-100,
-/// static). The development flights of the second family, whose attitudes are 0.34 degrees off, have tilts
-/// that are 31 % off, rms.
+/// share of gravity in. Data sheets state 0.2 degrees (Xsens MTi-300, static) to 0.5 degrees (VectorNav
+/// VN-100, static). The development flights of the second family, whose attitudes are 0.34 degrees off, have
+/// tilts that are 31 % off, rms.
 const FORWARD_MPS2: f64 = 0.25 * std::f64::consts::PI / 180.0 * STANDARD_GRAVITY_MPS2 as f64;
 
 /// How the error of an effect's acceleration grows.

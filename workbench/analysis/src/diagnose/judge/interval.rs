@@ -141,7 +141,7 @@ impl Judge<'_> {
             sensor.is_none() || subject.is_none() || sensor == subject
         };
         let noise = &findings.explanation.fit.noise;
-        let (mut moved, mut total) = (0.0, 1.0);
+        let mut moved = Vec::new();
         for other in self.additional(&findings.information, &chosen, is_on_it) {
             let at = |wanted: usize| other.set.iter().position(|column| *column == wanted);
             let (Some(of_own), Some(added)) = (at(own.column), at(other.column)) else { continue };
@@ -153,14 +153,35 @@ impl Judge<'_> {
             };
             let gain = (own.fit.rest - other.solution.rest).max(0.0);
             let effect = self.candidates[other.column].effect();
-            let odds = libm::exp(
-                0.5 * gain / (1.0 / POWER + of_shapes)
-                    + price(effect, &other.solution, added)
-                    + libm::log(other.share),
-            );
-            moved += odds * (other.solution.coefficients[of_own] - own.coefficient()).powi(2);
-            total += odds;
+            let log_odds = 0.5 * gain / (1.0 / POWER + of_shapes)
+                + price(effect, &other.solution, added)
+                + libm::log(other.share);
+            moved.push((log_odds, other.solution.coefficients[of_own] - own.coefficient()));
         }
-        moved / total
+        mean_square(&moved)
+    }
+}
+
+/// The mean square of what the coefficient moves by beside each of some effects, of which at most one acts,
+/// given the logarithms of their odds against nothing, beside which it does not move.
+fn mean_square(moved: &[(f64, f64)]) -> f64 {
+    // Where an effect that acts was refused, the logarithms reach thousands; their exponentials would overflow.
+    let largest = moved.iter().fold(0.0, |largest: f64, (log_odds, _)| largest.max(*log_odds));
+    let weight = |log_odds: f64| libm::exp(log_odds - largest);
+    let total = weight(0.0) + moved.iter().map(|(log_odds, _)| weight(*log_odds)).sum::<f64>();
+    moved.iter().map(|(log_odds, moved)| weight(*log_odds) * moved * moved).sum::<f64>() / total
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nothing moves nothing, even odds halve, and overwhelming ones leave the one effect, without overflow.
+    #[test]
+    fn what_may_act_counts_by_its_probability() {
+        assert_eq!(mean_square(&[]), 0.0);
+        assert!((mean_square(&[(0.0, 2.0)]) - 2.0).abs() < 1e-12);
+        assert!((mean_square(&[(0.0, 1.0), (0.0, 2.0)]) - 5.0 / 3.0).abs() < 1e-12);
+        assert!((mean_square(&[(5000.0, 3.0), (-5000.0, 7.0)]) - 9.0).abs() < 1e-12);
     }
 }

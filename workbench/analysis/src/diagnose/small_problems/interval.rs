@@ -33,9 +33,9 @@ fn with_grid(mut small: Small, times_s: &[f32]) -> Small {
     small
 }
 
-/// A strong effect prefers one time constant of the grid by far, whose coefficient is still off by more than the
-/// noise. The interval contains the true one, because it counts half a step of the grid. On a grid of one time
-/// constant there is no step.
+/// A strong effect prefers one time constant of the grid by far, whose coefficient is still off by more than
+/// the noise. The interval contains the true one, because it counts half a step of the grid. On a grid of one
+/// time constant there is no step.
 #[test]
 fn a_time_constant_between_the_grids_is_in_the_interval() {
     const TRUE: f64 = 40.0;
