@@ -84,12 +84,13 @@ pub fn regressor(effect: &Effect, flight: &[TruthSample], latitude_deg: f64) -> 
     }) else {
         return vec![0.0; flight.len()];
     };
-    let Some(reference) = flight.get(launch.unwrap_or(0)) else { return Vec::new() };
+    let Some(calibrated) = flight.first() else { return Vec::new() };
+    let at_launch = flight.get(launch.unwrap_or(0)).unwrap_or(calibrated);
     let past_end = if effect.phase == InjectionPhase::Captive { launch } else { None };
     let end = past_end.unwrap_or(flight.len());
     let start_s = flight.get(first).map_or(0.0, |sample| sample.time_s);
 
-    let mut value = evaluator(effect, reference, latitude_deg);
+    let mut value = evaluator(effect, [calibrated, at_launch], latitude_deg);
     let acting = flight.iter().take(end).skip(first).map(|sample| value(sample, sample.time_s - start_s));
     let mut regressor = vec![0.0; first];
     regressor.extend(acting);
@@ -100,20 +101,24 @@ pub fn regressor(effect: &Effect, flight: &[TruthSample], latitude_deg: f64) -> 
 /// A regressor as a function of the truth and of the effect's clock (s), called row after row.
 type Evaluator<'a> = Box<dyn FnMut(&TruthSample, f64) -> f64 + 'a>;
 
-fn evaluator<'a>(effect: &Effect, reference: &'a TruthSample, latitude_deg: f64) -> Evaluator<'a> {
+fn evaluator<'a>(
+    effect: &Effect,
+    [calibrated, at_launch]: [&'a TruthSample; 2],
+    latitude_deg: f64,
+) -> Evaluator<'a> {
     // Present for the effects that use them, because the scenario was checked.
     let time_constant_s = effect.time_constant_s.unwrap_or(f64::NAN);
     let width_m = effect.width_m.unwrap_or(f64::NAN);
     match effect.id {
         EffectId::BaroDynamicPressure => Box::new(|s, _| head(s.airspeed_mps)),
         EffectId::BaroCarrierField => {
-            Box::new(|s, _| if s.captive { 0.0 } else { head(reference.airspeed_mps) })
+            Box::new(|s, _| if s.captive { 0.0 } else { head(at_launch.airspeed_mps) })
         }
         EffectId::BaroAngleOfAttack => Box::new(|s, _| s.angle_of_attack_rad * head(s.airspeed_mps)),
         EffectId::BaroSideslip => Box::new(|s, _| s.sideslip_rad * s.sideslip_rad * head(s.airspeed_mps)),
         EffectId::BaroLag | EffectId::GpsLatency => Box::new(|s, _| -s.climb_rate_mps()),
-        EffectId::BaroScale => Box::new(|s, _| s.altitude_m - reference.altitude_m),
-        EffectId::BaroTemperature => Box::new(|s, _| s.baro_temperature_c - reference.baro_temperature_c),
+        EffectId::BaroScale => Box::new(|s, _| s.altitude_m - calibrated.altitude_m),
+        EffectId::BaroTemperature => Box::new(|s, _| s.baro_temperature_c - calibrated.baro_temperature_c),
         EffectId::BaroWarmUp => Box::new(move |_, t| 1.0 - libm::exp(-t / time_constant_s)),
         EffectId::BaroDrift | EffectId::ImuVelocityError => Box::new(|_, t| t),
         EffectId::BaroAcceleration => Box::new(|s, _| s.load_factor() - 1.0),
@@ -133,7 +138,7 @@ fn evaluator<'a>(effect: &Effect, reference: &'a TruthSample, latitude_deg: f64)
         EffectId::ImuGyroBias => integrated(|s, t| along_heading(s) * t),
         EffectId::ImuVibration => integrated(|s, _| 3.0 * s.vibration_mps2 * s.vibration_mps2),
         EffectId::ImuGravityGradient => {
-            integrated(|s, _| GRAVITY_GRADIENT * (s.altitude_m - reference.altitude_m))
+            integrated(|s, _| GRAVITY_GRADIENT * (s.altitude_m - calibrated.altitude_m))
         }
         EffectId::ImuEotvos => {
             let eastward = 2.0 * EARTH_RATE * libm::cos(latitude_deg.to_radians());

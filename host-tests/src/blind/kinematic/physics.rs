@@ -39,6 +39,7 @@ pub(super) fn barometer_pa(flight: &[TruthSample], effects: &[Effect], is_hose: 
     for row in flight {
         let since_launch_s = if row.captive { 0.0 } else { row.time_s - start.time_s };
         let mut height_m = row.pressure_altitude_m;
+        // Where the height counts from does not matter here, nor does the temperature's: the bias takes it.
         for effect in effects.iter().filter(|effect| effect.id == EffectId::BaroScale) {
             height_m += effect.coefficient * (row.altitude_m - start.altitude_m);
         }
