@@ -63,12 +63,11 @@ fn both(
     let mut tracker = SignalTracker::for_effects([id], latitude_deg);
     let wanted = Regressor { id, time_constant_s: TIME_CONSTANT_S, since: Clock::Launch };
     let (mut ours, mut launched) = (Vec::new(), false);
+    tracker.begin_calibration();
     for mut input in replay.inputs() {
         change(&mut input);
         if input.launch && !launched {
             launched = true;
-            // The simulator's h0 and T0 are those at launch.
-            tracker.begin_calibration();
             tracker.begin_free_flight(input.time_us);
         }
         tracker.take(&input, input.gps.as_ref());
