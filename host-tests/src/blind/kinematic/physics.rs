@@ -39,7 +39,7 @@ pub(super) fn barometer_pa(flight: &[TruthSample], effects: &[Effect], is_hose: 
     for row in flight {
         let since_launch_s = if row.captive { 0.0 } else { row.time_s - start.time_s };
         let mut height_m = row.pressure_altitude_m;
-        // Where the height counts from does not matter here, nor does the temperature's: the bias takes it.
+        // From where the height and the temperature count does not matter: the bias takes the difference.
         for effect in effects.iter().filter(|effect| effect.id == EffectId::BaroScale) {
             height_m += effect.coefficient * (row.altitude_m - start.altitude_m);
         }
@@ -97,7 +97,7 @@ pub(super) fn barometer_pa(flight: &[TruthSample], effects: &[Effect], is_hose: 
 /// from launch on.
 pub(super) fn inertial_error_m(flight: &[TruthSample], effects: &[Effect]) -> Vec<f64> {
     let (Some(start), Some(first)) = (launch(flight), flight.first()) else { return Vec::new() };
-    // The catalogue's h0: gravity is calibrated where the calibration begins (DESIGN.md).
+    // The catalogue's h0, the altitude at calibration (DESIGN.md), but for the settling time before it.
     let calibrated_at_m = first.altitude_m;
     let velocity_mps: f64 =
         effects.iter().filter(|e| e.id == EffectId::ImuVelocityError).map(|e| e.coefficient).sum();

@@ -82,9 +82,9 @@ effects! {
 /// The phase in which an effect acts.
 ///
 /// Its clock `t` and its integrals start with the phase: at launch for `free`, at the first row for `captive`
-/// and `both`. `h0` and `T0` are always the values at the first row, where the calibration begins, as the
-/// flight computer counts them; `V_latch` is the airspeed at launch (or at the first row of a flight without
-/// one).
+/// and `both`. `h0` and `T0` are always the values at the first row. The flight computer takes those with
+/// which its calibration begins, some seconds later, after its settling time. `V_latch` is the airspeed at
+/// launch (or at the first row of a flight without one).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InjectionPhase {
