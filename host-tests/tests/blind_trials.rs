@@ -25,7 +25,7 @@ fn the_diagnosis_is_right_as_often_as_promised() {
                         break;
                     }
                     // A plan that the aircraft can't fly is not a trial.
-                    if let Ok(trial) = run(draw(Family::Dynamic, seed)) {
+                    if let Ok(trial) = run(draw(Family::Dynamic, seed), false) {
                         trials.lock().unwrap().push(trial);
                     }
                 }

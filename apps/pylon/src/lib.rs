@@ -10,6 +10,7 @@ pub mod import;
 pub mod learn;
 pub mod output_file;
 pub mod overview;
+pub mod plan;
 pub mod plots;
 pub mod report;
 pub mod results;

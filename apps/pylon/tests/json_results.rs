@@ -12,7 +12,7 @@ use common::json::checked;
 use common::program::stdout;
 use pylon::results::{
     Addition, Comparison, DiagnoseResult, Discovery, EffectsResult, ExportResult, ImportResult, Ladder,
-    Overview, ReportResult, SimulateResult, schemas,
+    Overview, PlanResult, ReportResult, SimulateResult, schemas,
 };
 
 const WRITE: &str = "PYLON_WRITE_SCHEMAS";
@@ -69,6 +69,8 @@ fn what_a_command_prints_is_what_its_schema_says() {
     assert!(one.together.is_some() && one.one_by_one.is_none());
     let several: DiagnoseResult = checked("diagnose", here, &["made.csv", "other.csv"]);
     assert_eq!(several.one_by_one.unwrap().by_flight.len(), 2);
+    let planned: PlanResult = checked("plan", here, &["made.csv"]);
+    assert!(planned.duration_s > planned.plan.calibration_s);
     let searched: Discovery = checked("discover", here, &["made.csv"]);
     assert!(searched.laws.len() <= 5);
     let arguments = ["baro.drift", "--model", "ours.toml", "--from", "made.csv", "--force"];

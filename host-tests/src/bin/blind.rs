@@ -2,14 +2,14 @@
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use anyhow::Context as _;
 use clap::Parser;
 use host_tests::blind::{
-    Case, Family, Kind, Plan, Trial, draw, fly, improvement, intervals, reliability, run, table,
+    Case, Family, Kind, Plan, Trial, advised, draw, fly, improvement, intervals, reliability, run, table,
 };
 use host_tests::confusion::confusion;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -37,6 +37,9 @@ struct Arguments {
     /// Print only the tables, without a line for every trial.
     #[arg(long, short)]
     quiet: bool,
+    /// Also fly the plan that is advised for each set, and diagnose both flights together.
+    #[arg(long)]
+    fly_advice: bool,
     /// Write the diagnosis's inputs and the truth to this folder, for other methods to try.
     #[arg(long, value_name = "FOLDER")]
     dump: Option<PathBuf>,
@@ -77,7 +80,7 @@ fn main() -> anyhow::Result<()> {
                     if seed >= end {
                         break;
                     }
-                    let trial = one(draw(arguments.family, seed), arguments.dump.as_deref());
+                    let trial = one(draw(arguments.family, seed), &arguments);
                     bar.inc(1);
                     if let Ok(mut results) = results.lock() {
                         results.push((seed, trial));
@@ -126,12 +129,16 @@ fn main() -> anyhow::Result<()> {
         improvement::lines(&improvements),
         confusion(&trials)
     );
+    if arguments.fly_advice {
+        let advised: Vec<_> = trials.iter().filter_map(|trial| trial.advised.clone()).collect();
+        print!("\n{}", advised::lines(&advised));
+    }
     Ok(())
 }
 
 /// Flies and diagnoses a case, and writes the diagnosis's inputs.
-fn one(case: Case, folder: Option<&Path>) -> anyhow::Result<Trial> {
-    if let Some(folder) = folder {
+fn one(case: Case, arguments: &Arguments) -> anyhow::Result<Trial> {
+    if let Some(folder) = &arguments.dump {
         let model = Model::default();
         let flown = fly(&case, 0)?;
         let replay = Replay::new(&flown.flight, &model, None)?;
@@ -139,7 +146,7 @@ fn one(case: Case, folder: Option<&Path>) -> anyhow::Result<Trial> {
         pylon::diagnose::dump(&replay, &mut out)?;
         out.flush()?;
     }
-    run(case)
+    run(case, arguments.fly_advice)
 }
 
 fn dumped(trial: &Trial) -> Dumped<'_> {
@@ -200,8 +207,16 @@ fn line(trial: &Trial) -> String {
     let improvement = trial.improvement.map_or_else(String::new, |i| {
         format!(" [next flight {:.2} m, added {:.2} m, oracle {:.2} m]", i.before_m, i.after_m, i.oracle_m)
     });
+    let advised = trial.advised.as_ref().map_or_else(String::new, |advised| {
+        let of_set = |set: &advised::AdvisedSet| {
+            let outcome = set.outcome.map_or("not flown".to_owned(), |outcome| format!("{outcome:?}"));
+            format!("{{{}}} {:.0} %: {outcome}", set.effects.join(" "), 100.0 * set.promised)
+        };
+        let sets: Vec<String> = advised.sets.iter().map(of_set).collect();
+        format!(" [flown as advised, {:.0} s: {} => {}]", advised.free_s, sets.join("; "), advised.said)
+    });
     format!(
-        "{:>5} {mark:<6} {:?} {kind}{} => {}{deviations}{improvement}",
+        "{:>5} {mark:<6} {:?} {kind}{} => {}{deviations}{improvement}{advised}",
         trial.case.seed,
         trial.case.plan,
         if trial.case.missing.is_empty() {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use anyhow::{Context as _, bail};
 use pylon::flight::{Channel, Column, Flight};
-use pylon::simulate::scenario::{Effect, EffectId, InjectionPhase};
+use pylon::simulate::scenario::{Captive, Effect, EffectId, InjectionPhase};
 use pylon::simulate::{Scenario, TruthSample, regressor, simulate};
 use rand::{Rng, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -28,13 +28,21 @@ pub struct Flown {
 /// # Errors
 /// If the aircraft can't fly the plan, or a column is missing.
 pub fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
+    fly_as(case, number, None)
+}
+
+/// As [`fly`], but on a planned flight instead of the case's own: its calibration and manoeuvres.
+///
+/// # Errors
+/// If the aircraft can't fly the plan, or a column is missing.
+pub(crate) fn fly_as(case: &Case, number: u64, planned: Option<&Scenario>) -> anyhow::Result<Flown> {
     match case.family {
-        Family::Dynamic => dynamic(case, number),
-        Family::Kinematic => super::kinematic::fly(case, number),
+        Family::Dynamic => dynamic(case, number, planned),
+        Family::Kinematic => super::kinematic::fly(case, number, planned),
     }
 }
 
-fn dynamic(case: &Case, number: u64) -> anyhow::Result<Flown> {
+fn dynamic(case: &Case, number: u64, planned: Option<&Scenario>) -> anyhow::Result<Flown> {
     let mut scenario = Scenario::from_toml(&case.scenario, "blind")?;
     let first = case.seed.wrapping_mul(1000);
     let seed = first.wrapping_add(number);
@@ -69,6 +77,10 @@ fn dynamic(case: &Case, number: u64) -> anyhow::Result<Flown> {
         }
         Kind::SmoothedGps(time_s) => scenario.sensors.gps.smoothing_s = *time_s,
         Kind::Null | Kind::Outside(..) | Kind::Glitch(_) => {}
+    }
+    if let Some(planned) = planned {
+        scenario.free_flight.clone_from(&planned.free_flight);
+        scenario.captive = Captive { settling_s: scenario.captive.settling_s, ..planned.captive };
     }
     let (mut flight, truth) = simulate(&scenario, seed).map_err(|error| anyhow::anyhow!("{error}"))?;
     match &case.kind {

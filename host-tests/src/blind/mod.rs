@@ -4,6 +4,7 @@
 //! nothing, one to three effects of the catalogue, a cause outside it, or a faulty receiver. The diagnosis
 //! sees only the flight. All flights are simulated.
 
+pub mod advised;
 pub(crate) mod draw;
 pub(crate) mod flight;
 pub mod improvement;

@@ -5,6 +5,7 @@ use pylon::diagnose::{Diagnosis, NamedReplay, OneOf, SensorDiagnosis, Verdict, d
 use pylon::replay::Replay;
 use pylon::simulate::scenario::{Effect, EffectId};
 
+use super::advised::{Advised, advised};
 use super::draw::{Case, Kind};
 use super::flight::{Flown, fly};
 use super::improvement::{Improvement, improvement};
@@ -25,6 +26,8 @@ pub struct Trial {
     /// Effect of adding the identified effects on another flight of the same aircraft; `None` where none was
     /// injected or none identified.
     pub improvement: Option<Improvement>,
+    /// What came of the plan that was advised for the sets, if it was to be flown.
+    pub advised: Option<Advised>,
 }
 
 impl Trial {
@@ -75,11 +78,11 @@ impl Trial {
     }
 }
 
-/// Runs a case.
+/// Runs a case, and flies the plan that is advised for its sets if `flies_advice`.
 ///
 /// # Errors
 /// If the aircraft can't fly the plan.
-pub fn run(case: Case) -> anyhow::Result<Trial> {
+pub fn run(case: Case, flies_advice: bool) -> anyhow::Result<Trial> {
     let Flown { flight, effects, noise_m } = fly(&case, 0)?;
     let model = Model::default();
     let replay = Replay::new(&flight, &model, None)?;
@@ -105,7 +108,11 @@ pub fn run(case: Case) -> anyhow::Result<Trial> {
             }
         }
     }
-    let mut trial = Trial { case, truth, diagnosis, deviations, improvement: None };
+    let mut trial = Trial { case, truth, diagnosis, deviations, improvement: None, advised: None };
+    if flies_advice && trial.diagnosis.suspects().next().is_some() {
+        let acting: Vec<&str> = trial.truth.iter().map(|(id, _)| *id).collect();
+        trial.advised = advised(&trial.case, &flight, &acting)?;
+    }
     let identified = trial.identified();
     if !identified.is_empty() && !effects.is_empty() {
         let next = fly(&trial.case, 1)?.flight;

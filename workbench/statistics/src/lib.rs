@@ -22,7 +22,7 @@ mod whiteness;
 pub use batch_means::BatchMeans;
 pub use chi_squared::{Consistency, NisSummary};
 pub use correlator::{Autocovariance, Correlator, Lag};
-pub use distributions::normal_above;
+pub use distributions::{normal_above, normal_quantile};
 pub use healthy_launches::HealthyLaunches;
 pub use moments::Moments;
 pub use monitor_rule::{

@@ -21,6 +21,7 @@ mod overwriting;
 #[cfg(test)]
 mod passes;
 mod places;
+mod plan;
 mod progress;
 mod report;
 mod simulate;
@@ -53,6 +54,7 @@ enum Command {
     Compare(compare::Arguments),
     Diagnose(diagnose::Arguments),
     Discover(discover::Arguments),
+    Plan(plan::Arguments),
     Effects(effects::Arguments),
     Add(add::Arguments),
     Ladder(ladder::Arguments),
@@ -77,6 +79,7 @@ pub fn main() -> ExitCode {
             Command::Compare(arguments) => compare::run(&arguments),
             Command::Diagnose(arguments) => diagnose::run(&arguments),
             Command::Discover(arguments) => discover::run(&arguments),
+            Command::Plan(arguments) => plan::run(&arguments),
             Command::Effects(arguments) => effects::run(&arguments),
             Command::Add(arguments) => add::run(&arguments),
             Command::Ladder(arguments) => ladder::run(&arguments),

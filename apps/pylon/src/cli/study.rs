@@ -81,6 +81,11 @@ impl StudyFlights {
         Ok([self.replays_of(&self.learned, model)?, self.replays_of(&self.held, model)?])
     }
 
+    /// The flights to learn from.
+    pub fn learned(&self) -> impl Iterator<Item = &Flight> {
+        self.learned.flights.iter().map(|(flight, _)| flight)
+    }
+
     fn replays_of<'a>(&self, batch: &'a Batch, model: &Model) -> Result<Vec<NamedReplay<'a>>, Failure> {
         load::replays_to_diagnose(&batch.files, &batch.flights, model, self.given)
     }

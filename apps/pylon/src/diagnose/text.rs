@@ -6,6 +6,7 @@ use view::text::printable;
 use view::{Cell, Table, Tone};
 
 use analysis::diagnose::{CandidateFacts, Diagnosis, Glitch, SensorDiagnosis, SensorWander, Verdict};
+use analysis::overview::quoted;
 
 /// Number of candidates listed beside the chosen ones.
 const OTHERS: usize = 5;
@@ -62,6 +63,9 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
             write_sensor(&mut out, name, sensor, has_launch, colour);
         }
     }
+    if let Some(command) = plan_command(diagnosis) {
+        put!(out, "\nThe shortest next flight that would resolve this: {command}");
+    }
     let noise = &diagnosis.noise;
     put!(
         out,
@@ -92,6 +96,21 @@ pub fn text(diagnosis: &Diagnosis, colour: bool) -> String {
         put!(out, "warning: {}", printable(warning));
     }
     out
+}
+
+/// The command that plans the next flight, where these leave something open.
+fn plan_command(diagnosis: &Diagnosis) -> Option<String> {
+    let is_open = |sensor: &SensorDiagnosis| {
+        sensor.sets().next().is_some() || sensor.verdict == Verdict::InsufficientExcitation
+    };
+    diagnosis.sensors.values().any(is_open).then(|| {
+        let files = diagnosis.flights.iter().map(|flight| format!(" {}", quoted(&flight.file)));
+        let model = match diagnosis.model.as_str() {
+            "" | "default" => String::new(),
+            model => format!(" --model {}", quoted(model)),
+        };
+        format!("pylon plan{}{model}", files.collect::<String>())
+    })
 }
 
 /// Effects that went untested for a reason other than missing columns, grouped by the reason.

@@ -3,6 +3,7 @@
 mod effects;
 mod files;
 mod fly;
+mod plan;
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
@@ -12,6 +13,7 @@ pub use files::{ExportResult, ImportResult, ReportResult, SimulateResult};
 pub use fly::{
     ChipsResult, FirstDifference, FlyAgreement, FlyDifference, FlyResult, PartCost, SensorAgreementResult,
 };
+pub use plan::PlanResult;
 
 pub use crate::batch::{DiagnoseResult, FailedDiagnosis};
 pub use crate::compare::Comparison;
@@ -36,6 +38,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
         ("import", schema::<ImportResult>("import")),
         ("ladder", schema::<Ladder>("ladder")),
         ("open", schema::<Overview>("open")),
+        ("plan", schema::<PlanResult>("plan")),
         ("report", schema::<ReportResult>("report")),
         ("simulate", schema::<SimulateResult>("simulate")),
     ]

@@ -23,7 +23,6 @@ export type Planned = Resolved<Engine.Planned>;
 export type Offer = Resolved<Engine.Offer>;
 export type EffectOutlook = Resolved<Engine.EffectOutlook>;
 export type SetOutlook = Resolved<Engine.SetOutlook>;
-export type PlannedSegment = Resolved<Engine.PlannedSegment>;
 export type Series = Resolved<Engine.Series>;
 export type Defined = Resolved<Engine.Defined>;
 export type Discovered = Resolved<Engine.Discovered>;

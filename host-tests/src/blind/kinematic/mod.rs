@@ -7,6 +7,7 @@ mod instruments;
 mod path;
 mod physics;
 
+use pylon::simulate::Scenario;
 use pylon::simulate::scenario::Effect;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +15,7 @@ use rand_chacha::ChaCha8Rng;
 use super::draw::{Case, Family, Kind, kind, missing, plan};
 use super::flight::{Flown, add_glitch, add_outside, natural, spread, unit};
 use instruments::{Instruments, Recorded, record};
-use path::{Airframe, STEP_S};
+use path::{Airframe, Course, STEP_S};
 
 /// Columns that a flight may lack, with the chance per hundred.
 const MAY_BE_MISSING: [(&[&str], u32); 7] = [
@@ -37,11 +38,12 @@ pub(super) fn draw(seed: u64) -> Case {
     Case { family: Family::Kinematic, seed, kind, plan, scenario, missing }
 }
 
-/// Flies a case of this family; another `number` flies the same aircraft in other air on another path.
+/// Flies a case of this family; another `number` flies the same aircraft in other air on another path, which
+/// is the `planned` one if there is one.
 ///
 /// # Errors
 /// If a column is missing.
-pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
+pub(super) fn fly(case: &Case, number: u64, planned: Option<&Scenario>) -> anyhow::Result<Flown> {
     let mut aircraft = ChaCha8Rng::seed_from_u64(case.seed.wrapping_mul(1000) ^ 0x61_6972);
     let airframe = Airframe::draw(&mut aircraft);
     let mut instruments = Instruments::draw(&mut aircraft);
@@ -51,7 +53,7 @@ pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
     }
     // The coefficients are always computed from the first flight.
     let mut random = air(0);
-    let first = path::fly(&airframe, case.plan, &mut random);
+    let first = path::fly(&airframe, Course::Drawn(case.plan), &mut random);
     let Recorded { noise_m, .. } = record(&first, &[], &instruments, &mut random);
     let mut effects: Vec<(Effect, f64)> = Vec::new();
     if let Kind::Effects(drawn) = &case.kind {
@@ -73,7 +75,8 @@ pub(super) fn fly(case: &Case, number: u64) -> anyhow::Result<Flown> {
         (first, air(0x1000))
     } else {
         let mut random = air(number);
-        (path::fly(&airframe, case.plan, &mut random), random)
+        let course = planned.map_or(Course::Drawn(case.plan), Course::Planned);
+        (path::fly(&airframe, course, &mut random), random)
     };
     let mut flight = record(&truth, &acting, &instruments, &mut random).flight;
     match &case.kind {

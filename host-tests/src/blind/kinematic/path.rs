@@ -6,7 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use pylon::simulate::TruthSample;
+use pylon::simulate::scenario::Manoeuvre;
+use pylon::simulate::{Scenario, TruthSample};
 use rand::{Rng, RngExt as _};
 
 use super::disturbance::{Gust, normal};
@@ -83,6 +84,37 @@ impl Response {
     }
 }
 
+/// What an aircraft is commanded to fly.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Course<'a> {
+    /// A path that is drawn, as rich as this.
+    Drawn(Plan),
+    /// A planned flight's calibration and manoeuvres.
+    Planned(&'a Scenario),
+}
+
+/// The commands of a planned flight. A load factor is not commanded: it follows from the response to the path.
+fn planned(scenario: &Scenario) -> Vec<Command> {
+    let mut command = Command {
+        until_s: scenario.captive.duration_s,
+        path_rad: 0.0,
+        bank_rad: 0.0,
+        airspeed_mps: scenario.captive.airspeed_mps,
+    };
+    let mut commands = vec![command];
+    for segment in &scenario.free_flight {
+        command.until_s += segment.duration_s;
+        command.airspeed_mps = segment.airspeed_mps.unwrap_or(command.airspeed_mps);
+        command.bank_rad = segment.bank_deg.unwrap_or(0.0).to_radians();
+        command.path_rad = match segment.manoeuvre {
+            Manoeuvre::LevelOff => 0.0,
+            _ => segment.flight_path_deg.map_or(command.path_rad, f64::to_radians),
+        };
+        commands.push(command);
+    }
+    commands
+}
+
 fn captive_plan(random: &mut impl Rng, cruise: f64, duration_s: f64) -> Vec<Command> {
     let mut commands = Vec::new();
     let mut now_s = 0.0;
@@ -133,18 +165,32 @@ fn free_plan(random: &mut impl Rng, plan: Plan, cruise: f64, start_s: f64) -> Ve
 }
 
 /// Flies the airframe; rows are [`STEP_S`] apart.
-pub(super) fn fly(airframe: &Airframe, plan: Plan, random: &mut impl Rng) -> Vec<TruthSample> {
+pub(super) fn fly(airframe: &Airframe, course: Course<'_>, random: &mut impl Rng) -> Vec<TruthSample> {
     let cruise = airframe.cruise_mps;
-    let captive_s: f64 = random.random_range(60.0..180.0);
-    let mut commands = captive_plan(random, cruise, captive_s);
-    commands.extend(free_plan(random, plan, cruise, captive_s));
+    let (captive_s, commands) = match course {
+        Course::Drawn(plan) => {
+            let captive_s: f64 = random.random_range(60.0..180.0);
+            let mut commands = captive_plan(random, cruise, captive_s);
+            commands.extend(free_plan(random, plan, cruise, captive_s));
+            (captive_s, commands)
+        }
+        Course::Planned(scenario) => (scenario.captive.duration_s, planned(scenario)),
+    };
     let end_s = commands.last().map_or(captive_s, |command| command.until_s);
     let mut path = Response::at(0.0, random.random_range(0.8..1.6));
     let mut bank = Response::at(0.0, random.random_range(1.0..2.0));
-    let mut airspeed = Response::at(cruise, random.random_range(0.3..0.6));
+    let start_mps = match course {
+        Course::Drawn(_) => cruise,
+        Course::Planned(scenario) => scenario.captive.airspeed_mps,
+    };
+    let mut airspeed = Response::at(start_mps, random.random_range(0.3..0.6));
     let mut slip = Response::at(0.0, 1.0);
     let mut track = random.random_range(0.0..TAU);
-    let start_m = random.random_range(900.0..2500.0);
+    let drawn_m = random.random_range(900.0..2500.0);
+    let start_m = match course {
+        Course::Drawn(_) => drawn_m,
+        Course::Planned(scenario) => scenario.captive.altitude_m,
+    };
     let mut position = [0.0, 0.0, start_m];
     let wind = [random.random_range(-9.0..9.0), random.random_range(-9.0..9.0)];
     let shear = random.random_range(-0.004..0.004);
@@ -305,7 +351,7 @@ mod tests {
     fn flown(seed: u64) -> Vec<TruthSample> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let airframe = Airframe::draw(&mut random);
-        fly(&airframe, Plan::Rich, &mut random)
+        fly(&airframe, Course::Drawn(Plan::Rich), &mut random)
     }
 
     /// The specific force rotated by the quaternion, plus gravity, must match the motion; the body rates must

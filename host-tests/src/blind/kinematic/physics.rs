@@ -189,7 +189,7 @@ mod tests {
     use rand::SeedableRng as _;
     use rand_chacha::ChaCha8Rng;
 
-    use super::super::path::{Airframe, fly};
+    use super::super::path::{Airframe, Course, fly};
     use super::*;
     use crate::blind::draw::Plan;
     use crate::blind::flight::unit;
@@ -210,7 +210,7 @@ mod tests {
     fn each_effect_is_near_the_catalogues() {
         let mut random = ChaCha8Rng::seed_from_u64(7);
         let airframe = Airframe::draw(&mut random);
-        let flight = fly(&airframe, Plan::Rich, &mut random);
+        let flight = fly(&airframe, Course::Drawn(Plan::Rich), &mut random);
         for id in EffectId::ALL.iter().copied().filter(|id| *id != EffectId::BaroHysteresis) {
             let time_constant_s =
                 matches!(id, EffectId::BaroWarmUp | EffectId::GpsConvergence).then_some(40.0);

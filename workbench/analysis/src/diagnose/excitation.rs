@@ -1,13 +1,27 @@
 //! What a flight could have shown.
 
+use statistics::normal_above;
+
 use super::candidates::Candidate;
 use super::information::Information;
 
-/// An effect is seen when its coefficient exceeds this many sigmas, which accounts for the number of
-/// candidates tried.
-pub(super) const SEEN_SIGMAS: f64 = 4.5;
+/// Probability with which an effect is to be found for a flight to have shown it.
+const POWER: f64 = 0.9;
 /// A flight excites a sensor enough if it would have shown this share of the effects that could act on it.
 const ENOUGH: f64 = 0.5;
+
+/// Probability that an effect of this size, in sigmas of its coefficient, is found: that its square, with the
+/// noise's scatter of one sigma, exceeds what the search demands (`Suspects::penalty`).
+#[must_use]
+pub fn detection(sigmas: f64, penalty: f64) -> f64 {
+    normal_above(penalty.sqrt() - sigmas)
+}
+
+/// Whether a flight would have shown a coefficient of this size.
+#[must_use]
+pub fn is_seen(sigmas: f64, penalty: f64) -> bool {
+    detection(sigmas, penalty) >= POWER
+}
 
 /// Which of a sensor's effects a flight would have shown at a physically possible size.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,13 +42,14 @@ impl Excitation {
 }
 
 /// Judges the candidates among `columns` (with their positions in `information`), each alone with the chosen
-/// effects.
+/// effects; the search demands `penalty` of an effect in twice the log likelihood.
 #[must_use]
 pub fn excitation(
     information: &Information,
     candidates: &[Candidate],
     columns: &[(usize, usize)],
     chosen: &[usize],
+    penalty: f64,
 ) -> Excitation {
     let mut excitation = Excitation::default();
     for (column, position) in columns {
@@ -44,7 +59,7 @@ pub fn excitation(
         let picks: Vec<usize> = others.iter().copied().chain([*position]).collect();
         let sigma =
             information.solve(&picks).and_then(|solution| solution.covariance.last().map(|v| v.sqrt()));
-        if sigma.is_some_and(|sigma| SEEN_SIGMAS * sigma < largest) {
+        if sigma.is_some_and(|sigma| is_seen(largest / sigma, penalty)) {
             excitation.seen.push(*column);
         } else {
             excitation.unseen.push(*column);

@@ -4,7 +4,9 @@
 //! normal equations of the planned flight, under the noise that was found, are added to those of the flights.
 //! In a set of effects, each one in turn is assumed to act, with its fitted coefficient. The planned flight's
 //! readings are then those that this effect causes, and the likelihoods of the others over all flights are
-//! the expected ones; noise scatters them about these values, so that the probabilities are medians.
+//! the expected ones; noise scatters them about these values, so that the probabilities are medians. Of two
+//! effects that differ by `d` sigmas on the planned flight, the difference of the squares scatters by `2 d`:
+//! from that follows how probable it is that the one that acts is identified.
 //! Likelihoods are weighted as in the diagnosis, less the more the effects explain: formulas and signals are
 //! not quite right.
 
@@ -12,14 +14,16 @@ use executor::Executor;
 use kf_core::effect::EffectId;
 use kf_core::sensor::{SENSORS, Sensor};
 use replay::Replay;
+use statistics::normal_above;
 
 use super::candidates::Candidate;
 use super::diagnosis::Diagnosis;
-use super::excitation::SEEN_SIGMAS;
+use super::excitation::{detection, is_seen};
 use super::from_replay::epochs;
 use super::information::{Information, Solution};
-use super::judge::interval::BeyondNoise;
-use super::judge::{SUSPECT, is_lift};
+use super::judge::probable::EMPTY;
+use super::judge::{self, interval::BeyondNoise};
+use super::judge::{IDENTIFIED, SUSPECT, is_lift};
 use super::named_replay::NamedReplay;
 use super::noise::{Noise, NoisePrior};
 use super::outlook::{EffectOutlook, MemberOutlook, Outlook, SetOutlook};
@@ -49,6 +53,8 @@ pub struct Planner {
     effects: Vec<Planned>,
     sets: Vec<Set>,
     tempering: Tempering,
+    /// What the search demands of an effect in twice the log likelihood.
+    penalty: f64,
 }
 
 /// An effect to be planned for.
@@ -67,6 +73,10 @@ struct Set {
     /// The column in whose place one of the set acts.
     column: usize,
     members: Vec<(EffectId, f64, Option<usize>)>,
+    /// Pairs of effects of which the second is at least as probable as the first: it would look like it.
+    stand_ins: Vec<(EffectId, EffectId)>,
+    /// The probability that none acts, from [`SUSPECT`] on.
+    nothing: Option<f64>,
 }
 
 /// Weight of a sum of squares, which is smaller the more the effects explain. Where the climb rate is
@@ -167,9 +177,10 @@ impl Planner {
         };
         let effects: Vec<Planned> = columns.iter().map(planned).collect();
         let set = |rivals: &rivals::Rivals| {
-            let set = judge.set(rivals).effects;
-            // A plan tells the effects apart; that one of them acts is assumed.
-            let any: f64 = set.iter().map(|(_, probability)| probability).sum();
+            let judge::Set { effects: set, nothing, is_identified } = judge.set(rivals);
+            // What is not listed is assumed not to act.
+            let any: f64 =
+                nothing.unwrap_or(0.0) + set.iter().map(|(_, probability)| probability).sum::<f64>();
             let column = |effect: EffectId| {
                 let mut all = std::iter::once(rivals.column).chain(rivals.others.iter().copied());
                 all.find(|column| candidates[*column].effect() == effect)
@@ -178,7 +189,9 @@ impl Planner {
             let members: Vec<_> = members.collect();
             let effects: Vec<EffectId> = members.iter().map(|(effect, ..)| *effect).collect();
             let is_lift = members.iter().all(|(.., column)| column.is_some()) && is_lift(&effects);
-            (members.len() > 1 && !is_lift).then_some(Set { column: rivals.column, members })
+            let nothing = nothing.map(|nothing| nothing / any);
+            let stand_ins = judge.stand_ins(rivals);
+            (!is_identified && !is_lift).then_some(Set { column: rivals.column, members, stand_ins, nothing })
         };
         let sets: Vec<Set> = findings.rivals.iter().chain(&findings.weak).filter_map(set).collect();
         let of_sets = sets.iter().flat_map(|set| set.members.iter().filter_map(|(.., column)| *column));
@@ -205,6 +218,7 @@ impl Planner {
             effects,
             sets,
             tempering,
+            penalty: suspects.penalty(),
         }
     }
 
@@ -264,9 +278,7 @@ impl Planner {
         };
         let then = self.fit(both, of.column);
         let largest = effect.plausible().iter().fold(0.0_f64, |most, bound| most.max(f64::from(bound.abs())));
-        let is_seen = |fit: Option<(f64, f64)>| {
-            fit.is_some_and(|(_, variance)| SEEN_SIGMAS * variance.sqrt() < largest)
-        };
+        let sigmas = |fit: Option<(f64, f64)>| fit.map_or(0.0, |(_, variance)| largest / variance.sqrt());
         EffectOutlook {
             effect: effect.name().into(),
             sensor: candidate.sensor().map_or("gps", Sensor::name).into(),
@@ -276,32 +288,46 @@ impl Planner {
             sigma_now: now.map(sigma),
             sigma_then: then.map(sigma),
             largest,
-            is_seen_now: is_seen(now),
-            is_seen_then: is_seen(then),
+            is_seen_now: is_seen(sigmas(now), self.penalty),
+            is_seen_then: is_seen(sigmas(then), self.penalty),
+            detection_then: detection(sigmas(then), self.penalty),
             is_planned: available[of.column],
         }
     }
 
     fn set(&self, set: &Set, flown: &Information) -> SetOutlook {
-        let member = |(effect, probability, column): &(EffectId, f64, Option<usize>)| {
-            let would = column.and_then(|column| self.if_it_acts(set, column, flown));
-            MemberOutlook {
-                effect: effect.name().into(),
-                probability: *probability,
-                probability_then: would.as_ref().map(|would| would.probability),
-                left: would.as_ref().map(|would| would.left),
-                sigmas: would.map(|would| would.sigmas),
-            }
-        };
-        SetOutlook { members: set.members.iter().map(member).collect() }
+        let members: Vec<MemberOutlook> = set
+            .members
+            .iter()
+            .map(|(effect, probability, column)| {
+                let would = column.and_then(|column| self.if_it_acts(set, column, flown));
+                MemberOutlook {
+                    effect: effect.name().into(),
+                    probability: *probability,
+                    probability_then: would.as_ref().map(|would| would.probability),
+                    left: would.as_ref().map(|would| would.left),
+                    sigmas: would.as_ref().map(|would| would.sigmas),
+                    identified: would.map(|would| would.identified),
+                }
+            })
+            .collect();
+        let of_members = members.iter().map(|member| member.probability * member.identified.unwrap_or(0.0));
+        let cleared = set.nothing.map(|_| self.if_nothing_acts(set, flown));
+        let of_nothing = set.nothing.unwrap_or(0.0) * cleared.unwrap_or(0.0);
+        let resolved = of_members.sum::<f64>() + of_nothing;
+        SetOutlook { members, nothing: set.nothing, cleared, resolved }
+    }
+
+    /// Columns of the effects found elsewhere, without those of this column's effect.
+    fn beside(&self, set: &Set, column: usize) -> Vec<usize> {
+        let effect = self.candidates[column].effect();
+        let found = self.found.iter().copied().filter(|found| *found != set.column);
+        found.filter(|other| self.candidates[*other].effect() != effect).collect()
     }
 
     /// What would be found with the planned flight if this member of a set is the one that acts.
     fn if_it_acts(&self, set: &Set, truth: usize, flown: &Information) -> Option<Would> {
-        let found = self.found.iter().copied().filter(|found| *found != set.column);
-        let beside: Vec<usize> = found
-            .filter(|other| self.candidates[*other].effect() != self.candidates[truth].effect())
-            .collect();
+        let beside = self.beside(set, truth);
         let with = |column: usize| self.positions(&[beside.as_slice(), &[column]].concat());
         let acting = with(truth);
         let truth_now = self.information.solve(&acting)?;
@@ -315,33 +341,91 @@ impl Planner {
             0.5 * libm::log(variance) - 0.5 * power * solution.rest
         };
         let of_truth = worth(power_then, &truth_then) - worth(power_now, &truth_now);
-        let mut weights = Vec::new();
-        let mut least = f64::INFINITY;
-        for (_, probability, column) in &set.members {
-            let Some(column) = column else {
-                // An effect whose signal the flights do not record looks like the one that it stands in for.
-                weights.push(*probability);
-                continue;
-            };
-            let picks = with(*column);
-            let (Some(now), Some(then)) = (self.information.solve(&picks), both.solve(&picks)) else {
-                weights.push(*probability);
-                continue;
-            };
+        let other = |probability: f64, column: usize| {
+            let picks = with(column);
+            let (now, then) = (self.information.solve(&picks)?, both.solve(&picks)?);
             let gain = worth(power_then, &then) - worth(power_now, &now) - of_truth;
-            weights.push(probability * libm::exp(gain.min(0.0)));
-            if *column != truth {
-                let squares = (then.rest - truth_then.rest) - (now.rest - truth_now.rest);
-                least = least.min(squares.max(0.0));
+            let squares = (then.rest - truth_then.rest) - (now.rest - truth_now.rest);
+            Some(Other::new(probability, gain, squares, power_then))
+        };
+        let mut others = Vec::new();
+        let mut own = 0.0;
+        for (effect, probability, column) in &set.members {
+            if *column == Some(truth) {
+                own = *probability;
+                continue;
             }
+            let by_itself = column.and_then(|column| other(*probability, column));
+            // What it would look like: the one that acts, or another one.
+            let alike = set.stand_ins.iter().filter(|(_, hidden)| hidden == effect).map(|(seen, _)| *seen);
+            let as_another = alike.filter_map(|seen| {
+                let (_, probability, column) = set.members.iter().find(|(effect, ..)| *effect == seen)?;
+                let column = (*column)?;
+                if column == truth {
+                    Some(Other::unchanged(*probability))
+                } else {
+                    other(*probability, column)
+                }
+            });
+            let heaviest = by_itself
+                .into_iter()
+                .chain(as_another)
+                .max_by(|one, another| one.weight(0.0).total_cmp(&another.weight(0.0)));
+            others.push(heaviest.unwrap_or_else(|| Other::unchanged(*probability)));
         }
-        let total: f64 = weights.iter().sum();
-        let own = set.members.iter().position(|(.., column)| *column == Some(truth))?;
+        let without = self.positions(&beside);
+        let (none_now, none_then) = (self.information.solve(&without)?, both.solve(&without)?);
+        let shown = (none_then.rest - truth_then.rest).max(0.0);
+        if let Some(nothing) = set.nothing {
+            let gain = -0.5 * power_then * none_then.rest + 0.5 * power_now * none_now.rest - of_truth;
+            let squares = shown - (none_now.rest - truth_now.rest);
+            others.push(Other::new(nothing, gain, squares, power_then));
+        }
+        let total = own + others.iter().map(|other| other.weight(0.0)).sum::<f64>();
+        let is_suspect = |weight: f64| weight / total >= SUSPECT;
+        // Nothing is no member.
+        let effects = others.len() - usize::from(set.nothing.is_some());
+        let left = others[..effects].iter().filter(|other| is_suspect(other.weight(0.0))).count();
+        let least = others.iter().map(|other| other.sigmas).fold(f64::INFINITY, f64::min);
         Some(Would {
-            probability: weights[own] / total,
-            left: weights.iter().filter(|weight| **weight / total >= SUSPECT).count(),
-            sigmas: least.sqrt(),
+            probability: own / total,
+            left: left + usize::from(is_suspect(own)),
+            sigmas: least,
+            identified: identified(own, &others).min(detection(shown.sqrt(), self.penalty)),
         })
+    }
+
+    /// The probability that the set is no longer reported, if none of its effects acts: that nothing is then
+    /// more probable than they are. An effect that fitted by chance explains, with the planned flight, only as
+    /// much less as its coefficient becomes more certain.
+    fn if_nothing_acts(&self, set: &Set, flown: &Information) -> f64 {
+        let nothing = set.nothing.unwrap_or(0.0);
+        let log_odds = |scatter: f64| -> f64 {
+            let of_member = |(_, probability, column): &(EffectId, f64, Option<usize>)| {
+                let gain = column.and_then(|column| self.chance(set, column, flown, scatter));
+                probability / nothing * libm::exp(gain.unwrap_or(0.0))
+            };
+            set.members.iter().map(of_member).sum()
+        };
+        // Nothing has a probability of at least EMPTY where these odds are at most this.
+        let limit = (1.0 - EMPTY) / EMPTY;
+        probability_below(|scatter| log_odds(scatter) <= limit)
+    }
+
+    /// The gain in log odds of an effect that does not act, where the planned flight's noise is this many
+    /// sigmas in its favour.
+    fn chance(&self, set: &Set, column: usize, flown: &Information, scatter: f64) -> Option<f64> {
+        let beside = self.beside(set, column);
+        let (with, without) =
+            (self.positions(&[beside.as_slice(), &[column]].concat()), self.positions(&beside));
+        let now = self.information.solve(&with)?;
+        let without_now = self.information.solve(&without)?;
+        let then = self.information.plus(flown).solve(&with)?;
+        let share = then.covariance.last()? / now.covariance.last()?;
+        let power = self.tempering.power(self.information.total() - now.rest);
+        let shown = (without_now.rest - now.rest).max(0.0);
+        let root = (shown * share).sqrt() + scatter * (1.0 - share).max(0.0).sqrt();
+        Some(0.5 * power * (root * root - shown) + 0.5 * libm::log(share))
     }
 }
 
@@ -350,4 +434,97 @@ struct Would {
     probability: f64,
     left: usize,
     sigmas: f64,
+    identified: f64,
+}
+
+/// Another explanation than the one that acts.
+#[derive(Clone, Copy, Debug)]
+struct Other {
+    /// Its probability now.
+    now: f64,
+    /// The expected change of the logarithm of its weight, relative to the one that acts.
+    gain: f64,
+    /// How many sigmas the planned flight distinguishes it by.
+    sigmas: f64,
+    /// The power of the likelihood.
+    power: f64,
+}
+
+impl Other {
+    fn new(now: f64, gain: f64, squares: f64, power: f64) -> Self {
+        Self { now, gain: gain.min(0.0), sigmas: squares.max(0.0).sqrt(), power }
+    }
+
+    const fn unchanged(now: f64) -> Self {
+        Self { now, gain: 0.0, sigmas: 0.0, power: 0.0 }
+    }
+
+    /// Its weight with the planned flight, where that flight's noise is this many sigmas in its favour.
+    fn weight(self, scatter: f64) -> f64 {
+        self.now * libm::exp(self.gain + scatter * self.power * self.sigmas)
+    }
+}
+
+/// The probability that what acts, now of this probability, is identified against the others.
+fn identified(own: f64, others: &[Other]) -> f64 {
+    probability_below(|scatter| {
+        let total: f64 = others.iter().map(|other| other.weight(scatter)).sum();
+        own >= IDENTIFIED * (own + total)
+    })
+}
+
+/// Largest scatter considered, sigmas: beyond it a probability is not a number that differs from zero.
+const SCATTER: f64 = 37.0;
+/// Bisections of it: to a thousandth of a sigma.
+const HALVINGS: u32 = 16;
+
+/// The probability that a standard normal scatter is below the limit up to which something holds; it holds for
+/// every smaller scatter, too.
+fn probability_below(holds: impl Fn(f64) -> bool) -> f64 {
+    if holds(SCATTER) {
+        return 1.0;
+    }
+    if !holds(-SCATTER) {
+        return 0.0;
+    }
+    let (mut low, mut high) = (-SCATTER, SCATTER);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if holds(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    normal_above(-low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two effects, equally probable now, that differ by `d` sigmas: the logarithm of their odds becomes
+    /// `d^2 / 2` with a scatter of `d`, and 95 % are odds of 19.
+    #[test]
+    fn an_effect_is_identified_as_often_as_its_odds_scatter_above_19() {
+        for d in [1.5, 3.0, 4.5] {
+            let other = Other::new(0.5, -0.5 * d * d, d * d, 1.0);
+            let wanted = normal_above((libm::log(19.0) - 0.5 * d * d) / d);
+            assert!((identified(0.5, &[other]) - wanted).abs() < 1e-3, "{d}");
+            // Half the likelihood's power halves the expected odds and their scatter.
+            let half = Other::new(0.5, -0.25 * d * d, d * d, 0.5);
+            let wanted = normal_above((libm::log(19.0) - 0.25 * d * d) / (0.5 * d));
+            assert!((identified(0.5, &[half]) - wanted).abs() < 1e-3, "{d}");
+        }
+    }
+
+    #[test]
+    fn what_the_plan_does_not_distinguish_is_never_identified() {
+        let apart = Other::new(0.25, -50.0, 100.0, 1.0);
+        assert!(identified(0.5, &[apart]) > 0.999);
+        assert!(identified(0.5, &[apart, Other::unchanged(0.25)]) < 1e-12);
+        // Improbable already, an indistinguishable rival keeps nothing from being identified.
+        assert!(identified(0.5, &[apart, Other::unchanged(0.5 / 19.0 - 0.001)]) > 0.9);
+        assert!((identified(1.0, &[]) - 1.0).abs() < f64::EPSILON);
+    }
 }

@@ -12,6 +12,7 @@ use replay::airborne::{self, AirborneInterval, EDGE_S};
 use replay::barometer;
 use replay::{GivenTimes, Replay, Usage, clock, has_launch};
 
+pub use next::quoted;
 pub use sensors::{SensorState, SensorView};
 
 /// The format name of a flight's CSV.

@@ -11,7 +11,8 @@ pub(super) fn next(file: &str, is_usable: bool, is_flight: bool) -> Vec<String> 
 }
 
 /// A file's name, quoted for a shell.
-fn quoted(file: &str) -> String {
+#[must_use]
+pub fn quoted(file: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "/._-+,:@%".contains(letter);
     let file = if file.starts_with('-') { format!("./{file}") } else { file.to_owned() };
     if file.chars().all(is_plain) { file } else { format!("'{}'", file.replace('\'', r"'\''")) }

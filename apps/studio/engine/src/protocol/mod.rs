@@ -33,9 +33,7 @@ pub use formula::{Defined, DiscoverRequest, Discovered, FormulaChecked, FormulaP
 pub use headline::{Headline, Tone};
 pub use models::{ModelFacts, ModelRequest, ModelText, Preset, PresetsRequest, RevisionFacts, TermFacts};
 pub use numbers::Numbers;
-pub use plan::{
-    FlightPlan, Gain, Offer, PlanRequest, Planned, PlannedLeg, PlannedManoeuvre, PlannedSegment, Reached,
-};
+pub use plan::{PlanRequest, Planned};
 pub use results::{
     AddRequest, Added, CompareRequest, Compared, DiagnoseRequest, Diagnosed, ExportRequest, Exported,
     Exports, LadderRequest,

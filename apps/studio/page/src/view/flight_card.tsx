@@ -5,7 +5,7 @@ import type { JSX } from "preact";
 import { clock, moment } from "../charts/number";
 import { shown } from "../state/flights";
 import { planned } from "../state/plan";
-import { rangeText, segmentText, wordsOf } from "./plan_words";
+import { rangeText, wordsOf } from "./plan_words";
 
 export function FlightCard(): JSX.Element | null {
   const found = planned.value;
@@ -25,7 +25,7 @@ export function FlightCard(): JSX.Element | null {
           <tr><td>0</td><td>−{moment(plan.calibration_s)}</td><td>Straight and level, {Math.round(plan.speed_mps)} m/s, {Math.round(plan.altitude_m)} m: calibration, then zero the clock</td><td>{Math.round(plan.calibration_s)} s</td><td>{Math.round(plan.altitude_m)} m</td><td>☐</td></tr>
           {segments.map((segment, at) => (
             <tr key={at}>
-              <td>{at + 1}</td><td>{moment(segment.from_s)}</td><td>{segmentText(segment)}</td><td>{Math.round(segment.duration_s)} s</td><td>{Math.round(segment.altitude_then_m)} m</td><td>☐</td>
+              <td>{at + 1}</td><td>{moment(segment.from_s)}</td><td>{segment.words}</td><td>{Math.round(segment.duration_s)} s</td><td>{Math.round(segment.altitude_then_m)} m</td><td>☐</td>
             </tr>
           ))}
         </tbody>

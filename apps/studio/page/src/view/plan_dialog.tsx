@@ -200,6 +200,7 @@ function Sets(): JSX.Element | null {
 function SetTable({ set }: { readonly set: SetOutlook }): JSX.Element {
   return (
     <table class="plan-set">
+      <caption>This flight resolves the set with {percent(set.resolved)}.</caption>
       <thead><tr><th scope="col">If it is…</th><th scope="col">said now</th><th scope="col">said then</th><th scope="col">left of {set.members.length}</th></tr></thead>
       <tbody>
         {set.members.map(({ effect, probability, probability_then: then, left, sigmas }) => (
@@ -213,6 +214,14 @@ function SetTable({ set }: { readonly set: SetOutlook }): JSX.Element {
             <td class="number" title={sigmas === null ? "" : `${short(sigmas)} sigma from the most similar of the others`}>{left === null ? "–" : left}</td>
           </tr>
         ))}
+        {set.nothing === null ? null : (
+          <tr data-member="nothing" title={`If none acts, the set is no longer reported with ${percent(set.cleared ?? 0)}`}>
+            <th scope="row">Nothing</th>
+            <td class="number">{percent(set.nothing)}</td>
+            <td class="number">–</td>
+            <td class="number">–</td>
+          </tr>
+        )}
       </tbody>
     </table>
   );

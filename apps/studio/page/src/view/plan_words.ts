@@ -1,6 +1,6 @@
 // The page's words for what can be planned.
 
-import type { Offer, PlannedManoeuvre, PlannedSegment } from "../protocol";
+import type { Offer, PlannedManoeuvre } from "../protocol";
 
 interface Words {
   readonly name: string;
@@ -26,25 +26,6 @@ export function wordsOf(manoeuvre: PlannedManoeuvre): Words {
 export function amountUnit(offer: Offer): string {
   return offer.unit === "deg" ? "°" : offer.unit;
 }
-
-/** A segment as a pilot reads it. */
-export function segmentText({ manoeuvre, airspeed_mps, flight_path_deg, bank_deg, load_factor }: PlannedSegment): string {
-  const speed = `${Math.round(airspeed_mps)} m/s`;
-  const degrees = (value: number): string => `${Math.abs(Math.round(value * 10) / 10)}°`;
-  switch (manoeuvre) {
-    case "accelerate": return `Accelerate to ${speed}, level`;
-    case "decelerate": return `Slow down to ${speed}, level`;
-    case "climb": return `Climb at ${degrees(flight_path_deg ?? 0)}, ${speed}`;
-    case "dive": return load_factor === null
-      ? `Descend at ${degrees(flight_path_deg ?? 0)}, ${speed}`
-      : `Push over to ${degrees(flight_path_deg ?? 0)} down, not below ${load_factor.toFixed(1)} g`;
-    case "pull_up": return `Pull up to ${degrees(flight_path_deg ?? 0)}, not above ${(load_factor ?? 1).toFixed(1)} g`;
-    case "turn": return `Turn ${(bank_deg ?? 0) > 0 ? "right" : "left"} at ${degrees(bank_deg ?? 0)} of bank, ${speed}`;
-    case "level_off": return `Level off, ${speed}`;
-    default: return `Straight and level, ${speed}`;
-  }
-}
-
 
 /** A range, from its least to its greatest value. */
 export function rangeText(range: ReadonlyArray<number>, digits = 0): string {

@@ -5,7 +5,7 @@ mod advise;
 mod facts;
 pub(super) mod interval;
 mod learning_problem;
-mod probable;
+pub(super) mod probable;
 mod pruning;
 mod sensor;
 mod weak;
@@ -60,7 +60,7 @@ pub(super) const SUSPECT: f64 = 0.05;
 /// The probability from which on an effect is identified: all others together are less than one suspect. Of
 /// the effects reported with 95 to 99 %, 45 of 48 act; of those reported with more, all but one in a hundred
 /// (docs/blind-trials.md).
-const IDENTIFIED: f64 = 0.95;
+pub(super) const IDENTIFIED: f64 = 0.95;
 
 pub(crate) struct Judge<'a> {
     pub(crate) problem: &'a Problem<'a>,
@@ -230,26 +230,10 @@ impl Judge<'_> {
                 set.push((other, odds));
             }
         }
-        for (seen, hidden) in STAND_INS {
-            // Without a thermometer every drift may be the temperature's. This is reported, but it is not a
-            // set that a flight could resolve.
-            if rivals.acts.is_some() && hidden == EffectId::BaroTemperature {
-                continue;
-            }
-            // The accelerometer is prompt and a vane is not. A better fit of the load factor than of the
-            // angle of attack is no evidence of the cause.
-            let is_told_worse = seen == EffectId::BaroAcceleration;
-            let lacks_airspeed =
-                hidden == EffectId::BaroDynamicPressure && lacks_airspeed(self.epochs, hidden);
-            let is_hidden = is_told_worse
-                || lacks_airspeed
-                || (rivals.is_stand_in && seen == own)
-                || self.candidates.iter().enumerate().any(|(column, candidate)| {
-                    candidate.effect() == hidden && self.epochs.iter().any(|epochs| !epochs.available[column])
-                });
+        for (seen, hidden) in self.stand_ins(rivals) {
             let odds = set.iter().find(|(effect, _)| *effect == seen).map(|(_, odds)| *odds);
             let at = set.iter().position(|(effect, _)| *effect == hidden);
-            match (odds.filter(|_| is_hidden), at) {
+            match (odds, at) {
                 (Some(odds), None) => set.push((hidden, odds)),
                 (Some(odds), Some(at)) => set[at].1 = set[at].1.max(odds),
                 (None, _) => {}
@@ -271,6 +255,28 @@ impl Judge<'_> {
         Set { effects: set, nothing, is_identified: false }
     }
 
+    /// Pairs of effects of which the second is at least as probable as the first, because it would look like
+    /// it.
+    pub(super) fn stand_ins(&self, rivals: &Rivals) -> Vec<(EffectId, EffectId)> {
+        let own = self.candidates[rivals.column].effect();
+        let is_stand_in = |&(seen, hidden): &(EffectId, EffectId)| {
+            // Without a thermometer every drift may be the temperature's. This is reported, but it is not a
+            // set that a flight could resolve.
+            if rivals.acts.is_some() && hidden == EffectId::BaroTemperature {
+                return false;
+            }
+            // The accelerometer is prompt and a vane is not. A better fit of the load factor than of the
+            // angle of attack is no evidence of the cause.
+            seen == EffectId::BaroAcceleration
+                || (hidden == EffectId::BaroDynamicPressure && lacks_airspeed(self.epochs, hidden))
+                || (rivals.is_stand_in && seen == own)
+                || self.candidates.iter().enumerate().any(|(column, candidate)| {
+                    candidate.effect() == hidden && self.epochs.iter().any(|epochs| !epochs.available[column])
+                })
+        };
+        STAND_INS.into_iter().filter(is_stand_in).collect()
+    }
+
     fn excitation(&self, findings: &Findings, subject: Option<Sensor>) -> Excitation {
         let columns: Vec<(usize, usize)> = self
             .one_an_effect(findings, subject)
@@ -278,7 +284,8 @@ impl Judge<'_> {
             .filter_map(|column| Some((column, self.suspects.position(column)?)))
             .collect();
         let chosen = self.suspects.positions(&findings.explanation.columns);
-        let mut excitation = excitation(&findings.information, self.candidates, &columns, &chosen);
+        let mut excitation =
+            excitation(&findings.information, self.candidates, &columns, &chosen, self.suspects.penalty());
         // Effects whose regressor does not move at all.
         for (column, candidate) in self.candidates.iter().enumerate() {
             let is_own = candidate.sensor() == subject && self.suspects.position(column).is_none();

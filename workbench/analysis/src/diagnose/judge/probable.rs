@@ -8,7 +8,7 @@ use crate::diagnose::roughness::unsteadiness;
 use crate::diagnose::search::Explanation;
 
 /// A place is not reported where nothing acts with more than this probability: more probably than not.
-pub(super) const EMPTY: f64 = 0.5;
+pub(in crate::diagnose) const EMPTY: f64 = 0.5;
 
 impl Judge<'_> {
     /// Whether a chosen coefficient is physically impossible, given its reported sigma: then it is not the

@@ -71,7 +71,7 @@ fn speeds(flight: &Flight) -> Vec<f64> {
     else {
         return Vec::new();
     };
-    let speed = |(row, north): (usize, f64)| east.get_f64(row).map(|east| north.hypot(east));
+    let speed = |(row, north): (usize, f64)| east.get_f64(row).map(|east| libm::hypot(north, east));
     north.samples_f64().filter_map(speed).filter(|speed| speed.is_finite()).collect()
 }
 

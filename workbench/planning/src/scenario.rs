@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::circumstances::{Circumstances, ROWS_HZ};
-use super::manoeuvres::segments;
-use crate::protocol::FlightPlan;
+use crate::circumstances::{Circumstances, ROWS_HZ};
+use crate::manoeuvres::segments;
+use crate::plan::FlightPlan;
 
 /// The simulated airframe's own trim near the ground (`simulate::scenario::Airframe`): m/s, and its wing
 /// area, m^2.
@@ -15,7 +15,7 @@ const WING_M2: f64 = 0.8;
 pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
     let FlightPlan { speed_mps, altitude_m, calibration_s, .. } = plan;
     let mut text = format!(
-        "# Planned in Pylon's studio. `pylon simulate` flies it; it has not been flown yet.\n\
+        "# Planned by Pylon. `pylon simulate` flies it; it has not been flown yet.\n\
          name = \"next-flight\"\n\
          source = \"a planned flight, simulated\"\n\
          rate_hz = {ROWS_HZ:?}\n\
@@ -61,5 +61,5 @@ pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
 fn density_ratio(altitude_m: f64) -> f64 {
     const LAPSE_PER_M: f64 = 0.0065 / 288.15;
     const EXPONENT: f64 = 4.255_88;
-    (1.0 - LAPSE_PER_M * altitude_m.min(11_000.0)).powf(EXPONENT)
+    libm::pow(1.0 - LAPSE_PER_M * altitude_m.min(11_000.0), EXPONENT)
 }

@@ -1,8 +1,8 @@
 //! Manoeuvres that can be planned, as segments of a scenario.
 
-use super::circumstances::Circumstances;
-use crate::engine::{Refused, refused};
-use crate::protocol::{FlightPlan, Offer, PlannedLeg, PlannedManoeuvre};
+use crate::circumstances::Circumstances;
+use crate::error::PlanError;
+use crate::plan::{FlightPlan, Offer, PlannedLeg, PlannedManoeuvre};
 
 /// Longest plan, seconds.
 const LONGEST_S: f64 = 7200.0;
@@ -47,19 +47,19 @@ pub fn offers(around: &Circumstances) -> Vec<Offer> {
 }
 
 /// Refuses a plan that cannot be flown.
-pub fn check(plan: &FlightPlan, around: &Circumstances) -> Result<(), Refused> {
+pub fn check(plan: &FlightPlan, around: &Circumstances) -> Result<(), PlanError> {
     let between = |what: &str, value: f64, least: f64, most: f64| {
         if (least..=most).contains(&value) {
             Ok(())
         } else {
-            Err(refused(format!("{what} is {value}: expected {least} to {most}")))
+            Err(PlanError::Range { what: what.to_owned(), value, least, most })
         }
     };
     between("the speed, m/s,", plan.speed_mps, 8.0, 350.0)?;
     between("the altitude, m,", plan.altitude_m, 0.0, 15_000.0)?;
     between("the calibration, s,", plan.calibration_s, 20.0, 600.0)?;
     if plan.legs.is_empty() || plan.legs.len() > MOST {
-        return Err(refused(format!("the plan has {} manoeuvres: expected 1 to {MOST}", plan.legs.len())));
+        return Err(PlanError::Manoeuvres { found: plan.legs.len(), most: MOST });
     }
     let wide = Circumstances { speed_mps: plan.speed_mps, ..*around };
     let offers = offers(&wide);
@@ -83,7 +83,7 @@ pub fn segments(plan: &FlightPlan) -> Vec<Segment> {
             once(leg, plan.speed_mps, &mut segments);
         }
         // Returns to the state in which this leg began, for the next one.
-        segments.push(segment("straight", BETWEEN_S, &[("airspeed_mps", plan.speed_mps)]));
+        segments.push(segment("level_off", BETWEEN_S, &[("airspeed_mps", plan.speed_mps)]));
     }
     segments
 }
@@ -136,7 +136,7 @@ fn once(leg: &PlannedLeg, speed_mps: f64, out: &mut Vec<Segment>) {
             out.push(segment("accelerate", duration_s, &fast));
             out.push(segment("decelerate", duration_s, &slow));
             // A quarter of a circle at this bank and speed.
-            let rate = GRAVITY * LEG_BANK_DEG.to_radians().tan() / speed_mps;
+            let rate = GRAVITY * libm::tan(LEG_BANK_DEG.to_radians()) / speed_mps;
             let quarter_s = core::f64::consts::FRAC_PI_2 / rate;
             out.push(segment("turn", quarter_s, &[("bank_deg", LEG_BANK_DEG), ("airspeed_mps", speed_mps)]));
         }

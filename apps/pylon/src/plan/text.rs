@@ -1,0 +1,163 @@
+//! A plan in plain English.
+
+use std::fmt::Write as _;
+
+use analysis::diagnose::{Outlook, SetOutlook};
+use planning::PlannedSegment;
+use view::{Cell, Table};
+
+use super::{Aim, RESOLVED};
+use crate::diagnose::text::per_cent;
+use crate::results::PlanResult;
+
+/// Writes a line to a string, which cannot fail.
+macro_rules! put {
+    ($out:expr, $($arguments:tt)*) => {{
+        let _ = writeln!($out, $($arguments)*);
+    }};
+}
+
+/// The plan as text about 100 columns wide, with colours as ANSI codes if `colour` is true.
+#[must_use]
+pub fn text(result: &PlanResult, colour: bool) -> String {
+    let mut out = String::new();
+    put!(out, "{}\n", result.headline);
+    let outlook = &result.outlook;
+    for set in &outlook.sets {
+        put!(out, "{}", said(set));
+    }
+    let open = open(outlook);
+    if result.aim == Aim::Effects {
+        put!(out, "Not excited so far: {}.", open.join(", "));
+    }
+    put!(out, "{}", purpose(result));
+    put!(
+        out,
+        "First {:.0} s straight and level at {:.0} m/s and {:.0} m, for the calibration. Then:\n",
+        result.plan.calibration_s,
+        result.plan.speed_mps,
+        result.plan.altitude_m
+    );
+    put!(out, "{}", view::text::table(&segments(&result.segments), colour));
+    let [slow, fast] = result.reached.airspeed_mps;
+    let [low, high] = result.reached.altitude_m;
+    let [light, heavy] = result.reached.load_factor;
+    put!(
+        out,
+        "It reaches {slow:.0} to {fast:.0} m/s, {low:.0} to {high:.0} m, {light:.1} to {heavy:.1} g and {:.1} km from its start.",
+        result.reached.distance_m / 1000.0
+    );
+    for remark in &result.remarks {
+        put!(out, "{remark}");
+    }
+    for set in &outlook.sets {
+        put!(out, "\n{}", promised(set));
+    }
+    if result.aim == Aim::Effects {
+        let shown = outlook.effects.iter().filter(|effect| effect.is_seen_then && !effect.is_seen_now);
+        let shown: Vec<&str> = shown.map(|effect| &*effect.effect).collect();
+        let never: Vec<&str> = outlook
+            .effects
+            .iter()
+            .filter(|effect| !effect.is_seen_now && effect.is_planned && !effect.is_seen_then)
+            .map(|effect| &*effect.effect)
+            .collect();
+        if !shown.is_empty() {
+            put!(out, "\nAt its largest possible size it would show {}.", shown.join(", "));
+        }
+        if !never.is_empty() {
+            put!(out, "It would still not show {}.", never.join(", "));
+        }
+    }
+    out
+}
+
+/// Effects that no flight has excited yet and whose signals the plan has.
+fn open(outlook: &Outlook) -> Vec<&str> {
+    let open = outlook.effects.iter().filter(|effect| !effect.is_seen_now && effect.is_planned);
+    open.map(|effect| &*effect.effect).collect()
+}
+
+/// A set as the diagnosis reports it.
+fn said(set: &SetOutlook) -> String {
+    let mut said: Vec<String> = set
+        .members
+        .iter()
+        .map(|member| format!("{} ({})", member.effect, per_cent(member.probability)))
+        .collect();
+    said.extend(set.nothing.map(|nothing| format!("or nothing ({})", per_cent(nothing))));
+    let one_of = if set.members.len() == 1 { "perhaps" } else { "one of" };
+    format!("Open: {one_of} {}.", said.join(", "))
+}
+
+/// What the plan is for, and whether it is enough.
+fn purpose(result: &PlanResult) -> String {
+    let free_s: f64 = result.segments.iter().map(|segment| segment.duration_s).sum();
+    let length = clock(free_s);
+    let wanted = per_cent(RESOLVED);
+    let least = result.outlook.sets.iter().map(|set| set.resolved).fold(f64::INFINITY, f64::min);
+    match (result.aim, result.is_enough) {
+        (Aim::Sets, true) => {
+            format!(
+                "The shortest plan found that resolves this with at least {wanted} takes {length} min of manoeuvres."
+            )
+        }
+        (Aim::Sets, false) => format!(
+            "No plan was found that resolves this with {wanted}. The best one takes {length} min of manoeuvres and resolves it with {}.",
+            per_cent(least)
+        ),
+        (Aim::Effects, true) => {
+            format!("The shortest plan found that would show them takes {length} min of manoeuvres.")
+        }
+        (Aim::Effects, false) => format!(
+            "No plan was found that would show all of them. The best one takes {length} min of manoeuvres."
+        ),
+        (Aim::Coefficients, _) => format!(
+            "These flights leave nothing open. The manoeuvre that narrows the coefficients most for its length takes {length} min."
+        ),
+    }
+}
+
+/// What a set would become.
+fn promised(set: &SetOutlook) -> String {
+    let mut out = String::new();
+    for member in &set.members {
+        match member.identified {
+            Some(identified) => put!(
+                out,
+                "If {} acts, diagnosing the flights together identifies it with {}.",
+                member.effect,
+                per_cent(identified)
+            ),
+            None => put!(
+                out,
+                "If {} acts, no flight can show it: these flights do not record its signals.",
+                member.effect
+            ),
+        }
+    }
+    if let Some(cleared) = set.cleared {
+        let none = if set.members.len() == 1 { "it does not act" } else { "none of them acts" };
+        put!(out, "If {none}, this is no longer reported with {}.", per_cent(cleared));
+    }
+    out.trim_end().to_owned()
+}
+
+fn segments(segments: &[PlannedSegment]) -> Table {
+    let mut table = Table::new().right("  at").right("for").left("manoeuvre").right("altitude then");
+    for segment in segments {
+        table.row([
+            Cell::from(format!("  {}", clock(segment.from_s))),
+            format!("{:.0} s", segment.duration_s).into(),
+            segment.words.clone().into(),
+            format!("{:.0} m", segment.altitude_then_m).into(),
+        ]);
+    }
+    table
+}
+
+/// Minutes and seconds.
+fn clock(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    format!("{}:{:02}", whole / 60, whole % 60)
+}
