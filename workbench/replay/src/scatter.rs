@@ -25,8 +25,8 @@ pub struct Scatter {
 /// too few fixes.
 #[must_use]
 pub fn find(flight: &Flight) -> Option<Scatter> {
-    let paired = SENSORS.into_iter().map(|channel| (channel, pairs(flight, channel)));
-    let (channel, pairs) = paired.into_iter().find(|(_, pairs)| pairs.len() >= LEAST_FIXES)?;
+    let mut paired = SENSORS.into_iter().map(|channel| (channel, pairs(flight, channel)));
+    let (channel, pairs) = paired.find(|(_, pairs)| pairs.len() >= LEAST_FIXES)?;
     // A bend is a difference less half of its two neighbours. Of values with equal variances it has five of
     // these: the weights are 1/2, -3/2, 3/2 and -1/2.
     let of = |altitude_m: fn(&Pair) -> f64| {

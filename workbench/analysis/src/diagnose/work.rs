@@ -241,7 +241,7 @@ fn limits(
         let series = &epochs.series;
         let long_s = series.len() as f64 * series.block_s;
         let time_s = noise.reference_time_s.max(f64::from(model.reference.correlation_time_s));
-        if series.len() > 0 && long_s < LEAST_TIMES * time_s {
+        if long_s > 0.0 && long_s < LEAST_TIMES * time_s {
             limits.push(format!(
                 "{}: {long_s:.0} s of flight; the reference's own error lasts {time_s:.0} s, so a drift, a warming up or a \
                  height's error cannot be distinguished from it",
