@@ -35,16 +35,23 @@ pub fn check(flight: &Flight) -> Option<Fault> {
     let pressure = flight.channel(Channel::BaroPa).filter(|column| column.samples().next().is_some());
     let column = pressure.or_else(|| flight.channel(Channel::BaroAltM))?;
     let metres = |value: f32| if pressure.is_some() { pressure_altitude_m(value) } else { Some(value) };
-    of_column(flight, column, &metres)
+    of_column(flight, column, &metres, rounding_m)
 }
 
-/// Checks the UAV's inertial altitude against the receiver.
+/// Checks the UAV's inertial altitude against the receiver. A navigation system that follows the fixes is
+/// close to them, so that a copy is allowed the finer of the two roundings only.
 #[must_use]
 pub fn check_inertial(flight: &Flight) -> Option<Fault> {
-    of_column(flight, flight.channel(Channel::ImuSlaveAltM)?, &Some)
+    of_column(flight, flight.channel(Channel::ImuSlaveAltM)?, &Some, f64::min)
 }
 
-fn of_column(flight: &Flight, column: &Column, metres: &dyn Fn(f32) -> Option<f32>) -> Option<Fault> {
+/// `rounding_m`: how much a copy may differ, by the smallest steps of the column and the receiver.
+fn of_column(
+    flight: &Flight,
+    column: &Column,
+    metres: &dyn Fn(f32) -> Option<f32>,
+    rounding_m: fn(f64, f64) -> f64,
+) -> Option<Fault> {
     let receiver = flight.channel(Channel::GpsAltM)?;
     let pairs: Vec<(f64, f64)> = column
         .samples()
