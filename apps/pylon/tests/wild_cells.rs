@@ -88,6 +88,42 @@ fn wild_cells_in_any_column_change_no_verdict() {
     }
 }
 
+/// One burst of 2.3 s in every column: just below a hundredth of its cells, those of the
+/// columns of [`WILD`] and of those that have no largest rate.
+#[test]
+fn a_burst_in_any_column_changes_no_verdict() {
+    let folder = tempfile::tempdir().unwrap();
+    let flight = hidden();
+    let (missing, [coefficient, sigma], _) =
+        verdict(folder.path(), &write(folder.path(), "clean.csv", &flight));
+    let others = [
+        (Channel::GpsVeMps, -900.0),
+        (Channel::AccelXMps2, 900.0),
+        (Channel::AccelZMps2, -900.0),
+        (Channel::GyroXRadps, 60.0),
+        (Channel::YawRad, 9.0),
+        (Channel::Throttle, 50.0),
+    ];
+    for (channel, value) in WILD.into_iter().chain(others) {
+        let mut burst = flight.clone();
+        // The mother ship's altitude ends with the launch.
+        let from_s = if channel == Channel::ImuMasterAltM { 100.0 } else { 170.0 };
+        let rows: Vec<usize> =
+            (0..burst.rows()).filter(|row| (from_s..from_s + 2.3).contains(&burst.time_s[*row])).collect();
+        let column =
+            burst.channels.iter_mut().find(|(name, _)| *name == channel).map(|(_, column)| column).unwrap();
+        for row in rows {
+            if column.get(row).is_some() {
+                column.set(row, Some(value));
+            }
+        }
+        let name = format!("{} {value} burst.csv", channel.name());
+        let (found, [moved, _], others) = verdict(folder.path(), &write(folder.path(), &name, &burst));
+        assert_eq!((found, others.len()), (missing.clone(), 0), "{name}");
+        assert!((moved - coefficient).abs() < 0.5 * sigma, "{name}: {moved}, {coefficient} +- {sigma}");
+    }
+}
+
 #[test]
 fn wild_cells_are_said_with_column_value_time_and_number() {
     let folder = tempfile::tempdir().unwrap();

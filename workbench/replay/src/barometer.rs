@@ -1,8 +1,9 @@
-//! Checks whether the barometer's column was measured by a barometer.
+//! Checks whether the barometer's column was measured by a barometer, and the UAV's inertial altitude by an
+//! inertial unit.
 
 use kf_core::atmosphere::pressure_altitude_m;
 
-use flight_data::{Channel, Flight, Note};
+use flight_data::{Channel, Column, Flight, Note};
 
 /// A copy differs from the receiver by rounding alone ([`rounding_m`]), and by this much arithmetic error,
 /// metres. A barometer also differs by its noise, its lag and the air, however good the receiver is.
@@ -16,7 +17,7 @@ const STUCK_M: f64 = 0.5;
 /// Least number of samples for a verdict.
 const LEAST_SAMPLES: usize = 20;
 
-/// What is wrong with a barometer for the whole flight.
+/// What is wrong with an altitude for the whole flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
     /// It repeats one value while the vehicle climbs.
@@ -34,6 +35,23 @@ pub fn check(flight: &Flight) -> Option<Fault> {
     let pressure = flight.channel(Channel::BaroPa).filter(|column| column.samples().next().is_some());
     let column = pressure.or_else(|| flight.channel(Channel::BaroAltM))?;
     let metres = |value: f32| if pressure.is_some() { pressure_altitude_m(value) } else { Some(value) };
+    of_column(flight, column, &metres, rounding_m)
+}
+
+/// Checks the UAV's inertial altitude against the receiver. A navigation system that follows the fixes is
+/// close to them, so that a copy is allowed the finer of the two roundings only.
+#[must_use]
+pub fn check_inertial(flight: &Flight) -> Option<Fault> {
+    of_column(flight, flight.channel(Channel::ImuSlaveAltM)?, &Some, f64::min)
+}
+
+/// `rounding_m`: how much a copy may differ, by the smallest steps of the column and the receiver.
+fn of_column(
+    flight: &Flight,
+    column: &Column,
+    metres: &dyn Fn(f32) -> Option<f32>,
+    rounding_m: fn(f64, f64) -> f64,
+) -> Option<Fault> {
     let receiver = flight.channel(Channel::GpsAltM)?;
     let pairs: Vec<(f64, f64)> = column
         .samples()
@@ -89,10 +107,46 @@ impl Fault {
     }
 }
 
-/// The note on a faulty barometer, if there is one.
+impl Fault {
+    /// The same of the UAV's inertial altitude.
+    #[must_use]
+    pub fn inertial_sentence(self) -> String {
+        match self {
+            Self::Stuck => {
+                "the inertial altitude is stuck: it repeats one value for the whole flight while the receiver climbs"
+                    .to_owned()
+            }
+            Self::Copied { apart_m } => {
+                format!("no inertial altitude: its column is a copy of the receiver's altitude, {apart_m:+.0} m")
+            }
+        }
+    }
+}
+
+/// What is wrong with the altitudes of a flight, in words; `None` if nothing is.
 #[must_use]
-pub fn note(flight: &Flight) -> Option<Note> {
-    check(flight).map(|fault| Note::new(format!("{}; no result for baro is valid", fault.sentence())))
+pub fn faults(flight: &Flight) -> Option<String> {
+    let faults: Vec<String> =
+        [check(flight).map(Fault::sentence), check_inertial(flight).map(Fault::inertial_sentence)]
+            .into_iter()
+            .flatten()
+            .collect();
+    (!faults.is_empty()).then(|| faults.join("; "))
+}
+
+/// The notes on altitudes that measure nothing: stuck, copied, or dead, without a single finite value.
+#[must_use]
+pub fn notes(flight: &Flight) -> Vec<Note> {
+    let baro = check(flight).map(|fault| format!("{}; no result for baro is valid", fault.sentence()));
+    let inertial = check_inertial(flight)
+        .map(|fault| format!("{}; no result for imu_slave is valid", fault.inertial_sentence()));
+    let dead =
+        [Channel::BaroPa, Channel::BaroAltM, Channel::ImuSlaveAltM].into_iter().filter_map(|channel| {
+            let column = flight.channel(channel)?;
+            let is_dead = column.samples().all(|(_, value)| !value.is_finite());
+            is_dead.then(|| format!("{} is dead: it has no reading in the whole log", channel.name()))
+        });
+    baro.into_iter().chain(inertial).chain(dead).map(Note::new).collect()
 }
 
 #[cfg(test)]
@@ -148,7 +202,7 @@ mod tests {
             None
         );
         assert_eq!(check(&Flight::default()), None);
-        assert!(note(&flight(|_, altitude_m| altitude_m)).unwrap().text().contains("copy of the receiver"));
+        assert!(notes(&flight(|_, altitude_m| altitude_m))[0].text().contains("copy of the receiver"));
     }
 
     /// A flight of this many rows, by the receiver's and the barometer's altitude in each.

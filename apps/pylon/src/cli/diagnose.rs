@@ -59,6 +59,14 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let together = match together {
         Err(why) if one_by_one.is_none() => return Err(Failure::input(defect(&why))),
         Err(why) => Err(defect(&why)),
+        // Nothing tested is no good fit.
+        Ok(diagnosis) if let Some(why) = diagnosis.untestable() => {
+            let why = format!("the model could not be tested: {why}");
+            if let ([flight], None) = (learned.as_slice(), &one_by_one) {
+                return Err(Failure::input(format!("{}: {why}", flight.file)));
+            }
+            Err(why)
+        }
         Ok(mut diagnosis) => {
             diagnosis.model.clone_from(&study.model);
             diagnosis.warnings.splice(0..0, flights.warnings());

@@ -127,16 +127,8 @@ pub(crate) fn untested_for_a_reason(diagnosis: &Diagnosis) -> Vec<(Vec<&str>, &s
 }
 
 pub(crate) fn headline(diagnosis: &Diagnosis) -> String {
-    if diagnosis.flights.iter().all(|flight| flight.blocks == 0 || flight.fault.is_some())
-        && diagnosis.sensors.keys().all(|name| *name == "gps")
-    {
-        return match diagnosis.flights.iter().find_map(|flight| flight.fault.as_ref()) {
-            Some(fault) => format!("The model could not be tested: {fault}."),
-            None => {
-                "The model could not be tested: no sensor has a reading while the reference is available."
-                    .to_owned()
-            }
-        };
+    if let Some(why) = diagnosis.untestable() {
+        return format!("The model could not be tested: {why}.");
     }
     let missing: Vec<&str> = diagnosis.missing().collect();
     match diagnosis.verdict {

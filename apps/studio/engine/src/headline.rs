@@ -143,6 +143,10 @@ fn on_what(diagnosis: &Diagnosis) -> &'static str {
 
 /// The headline of a diagnosis.
 pub fn of_diagnosis(diagnosis: &Diagnosis) -> Headline {
+    if let Some(why) = diagnosis.untestable() {
+        let sentence = format!("The model could not be tested: {why}.");
+        return Headline { sentence, tone: Tone::Caution, effect: None };
+    }
     let of_verdict = diagnosis.sensors.iter().find(|(_, sensor)| sensor.verdict == diagnosis.verdict);
     let Some((name, sensor)) = of_verdict else {
         let sentence = "There is no sensor in this flight to diagnose.".to_owned();

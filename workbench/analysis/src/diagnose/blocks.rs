@@ -267,6 +267,7 @@ impl Builder {
             signals: self.signal_blocks,
             signal_names: self.signal_names,
             glitches: Vec::new(),
+            steps: Vec::new(),
             unreferenced: self.unreferenced,
             refused: self.refused,
         }

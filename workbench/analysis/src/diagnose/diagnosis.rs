@@ -70,6 +70,22 @@ impl Diagnosis {
     /// The version that this program writes.
     pub const VERSION: u32 = 3;
 
+    /// Why nothing could be tested, in words: no flight has a block with both the reference and a sensor that
+    /// measures. `None` where something could.
+    #[must_use]
+    pub fn untestable(&self) -> Option<String> {
+        let has_nothing = self.flights.iter().all(|flight| flight.blocks == 0 || flight.fault.is_some());
+        if !has_nothing || self.sensors.keys().any(|name| *name != "gps") {
+            return None;
+        }
+        Some(
+            self.flights
+                .iter()
+                .find_map(|flight| flight.fault.clone())
+                .unwrap_or_else(|| "no sensor has a reading while the reference is available".to_owned()),
+        )
+    }
+
     /// Ids of the effects that are certainly missing, sensor by sensor.
     pub fn missing(&self) -> impl Iterator<Item = &str> {
         self.sensors.values().flat_map(|sensor| &sensor.missing).map(|effect| &**effect)

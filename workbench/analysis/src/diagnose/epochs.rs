@@ -1,5 +1,7 @@
 //! A flight as block means of residuals and regressors, and what is known of them.
 
+use kf_core::sensor::Sensor;
+
 use super::diagnosis::Glitch;
 use super::series::Series;
 
@@ -19,6 +21,8 @@ pub struct Epochs {
     pub signal_names: Vec<String>,
     /// Intervals in which the reference jumped away and came back.
     pub glitches: Vec<Glitch>,
+    /// Lasting steps of the sensors' own altitudes: sensor, and time in seconds ([`replay::steps`]).
+    pub steps: Vec<(Sensor, f64)>,
     /// Readings left out because the reference was lost around them.
     pub unreferenced: u64,
     /// Readings that the mission refuses as well: not finite, implausible, or of a sensor that is stuck.
@@ -28,7 +32,7 @@ pub struct Epochs {
 impl Epochs {
     /// The same flight with these columns only, in this order. Columns do not depend on each other.
     pub(super) fn of_columns(&self, places: &[usize]) -> Self {
-        let Self { series, signals, signal_names, glitches, unreferenced, refused, .. } = self;
+        let Self { series, signals, signal_names, glitches, steps, unreferenced, refused, .. } = self;
         let Series { time_s, fixes, free, residual_m, readings, block_s, full_block, .. } = series;
         let column = |place: &usize| series.columns.get(*place).cloned().unwrap_or_default();
         Self {
@@ -50,6 +54,7 @@ impl Epochs {
             signals: signals.clone(),
             signal_names: signal_names.clone(),
             glitches: glitches.clone(),
+            steps: steps.clone(),
             unreferenced: *unreferenced,
             refused: *refused,
         }

@@ -1,5 +1,6 @@
 //! What a flight could have shown.
 
+use kf_core::effect::EffectId;
 use statistics::normal_above;
 
 use super::candidates::Candidate;
@@ -30,6 +31,9 @@ pub struct Excitation {
     pub seen: Vec<usize>,
     /// Columns that would not have been seen.
     pub unseen: Vec<usize>,
+    /// Whether one of those seen needs more than time. Hours on the ground show a drift and a warming up, and
+    /// nothing of what a flight does to a sensor.
+    pub has_flown: bool,
 }
 
 impl Excitation {
@@ -37,7 +41,7 @@ impl Excitation {
     #[must_use]
     pub fn is_enough(&self) -> bool {
         let all = self.seen.len() + self.unseen.len();
-        self.seen.len() as f64 >= ENOUGH * all as f64
+        self.has_flown && self.seen.len() as f64 >= ENOUGH * all as f64
     }
 }
 
@@ -61,6 +65,7 @@ pub fn excitation(
             information.solve(&picks).and_then(|solution| solution.covariance.last().map(|v| v.sqrt()));
         if sigma.is_some_and(|sigma| is_seen(largest / sigma, penalty)) {
             excitation.seen.push(*column);
+            excitation.has_flown |= !matches!(effect, EffectId::BaroDrift | EffectId::BaroWarmUp);
         } else {
             excitation.unseen.push(*column);
         }

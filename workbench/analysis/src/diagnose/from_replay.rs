@@ -16,6 +16,8 @@ use super::latent_path;
 use super::physical_range::measures_climb_rate;
 use super::reference_path::{Fix, ReferencePath};
 use super::residuals::known_m;
+use flight_data::Channel;
+use replay::steps::{self, Step};
 use replay::{Observer, Replay};
 
 /// Sensors that show the path besides the receiver, the best first.
@@ -97,7 +99,19 @@ impl Measured {
             to_s: *to_us as f64 * 1e-6,
         };
         epochs.glitches = glitches_us.iter().map(glitch).collect();
+        let of_sensor = |step: &Step| Some((sensor(step.channel)?, step.time_s));
+        epochs.steps = steps::find(replay.flight()).iter().filter_map(of_sensor).collect();
         epochs
+    }
+}
+
+/// The sensor whose altitude is in a column; `None` for the receiver's.
+const fn sensor(channel: Channel) -> Option<Sensor> {
+    match channel {
+        Channel::BaroPa | Channel::BaroAltM => Some(Sensor::Baro),
+        Channel::ImuSlaveAltM => Some(Sensor::ImuSlave),
+        Channel::ImuMasterAltM => Some(Sensor::ImuMaster),
+        _ => None,
     }
 }
 

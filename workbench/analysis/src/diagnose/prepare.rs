@@ -67,6 +67,9 @@ impl Prepared {
             if barometer::check(named.replay.flight()).is_some() {
                 leave_out(epochs, Sensor::Baro.index());
             }
+            if barometer::check_inertial(named.replay.flight()).is_some() {
+                leave_out(epochs, Sensor::ImuSlave.index());
+            }
         }
         let available = |column: usize| epochs.iter().all(|epochs| epochs.available[column]);
         known.retain(|known| available(known.column));

@@ -69,6 +69,11 @@ pub fn unexplained(
     if doubts.is_alone {
         tests.retain(|test| !matches!(test, Test::Jump { .. }));
     }
+    for jump in known_jumps(epochs, sensor) {
+        if !tests.contains(&jump) {
+            tests.push(jump);
+        }
+    }
     let [shape, better] = if doubts.has_climb_rate { [SHAPE, BETTER] } else { [SHAPE_WITHOUT_CLIMB_RATE; 2] };
     let chance = 2.0 * libm::log(tests.len().max(1) as f64) + EVIDENCE;
     let bar = chance.max(shape * explained);
@@ -143,6 +148,24 @@ fn tests(
         tests.extend(largest.into_iter().map(|(_, block)| Test::Jump { flight, block }));
     }
     tests
+}
+
+/// The lasting steps that the sensor's own readings show: they are the sensor's, whether or not another one
+/// flies with it, and may come before the launch.
+fn known_jumps(epochs: &[Epochs], sensor: usize) -> Vec<Test> {
+    let mut jumps = Vec::new();
+    for (flight, epochs) in epochs.iter().enumerate() {
+        let series = &epochs.series;
+        let (Some(first_s), Some(last_s)) = (series.time_s.first(), series.time_s.last()) else { continue };
+        let half_s = 0.5 * series.block_s;
+        let own = epochs.steps.iter().filter(|(of, _)| of.index() == sensor);
+        for (_, step_s) in own.filter(|(_, step_s)| (*first_s..=*last_s).contains(step_s)) {
+            // A block's time is that of its middle.
+            let block = series.time_s.partition_point(|time_s| time_s + half_s <= *step_s);
+            jumps.push(Test::Jump { flight, block });
+        }
+    }
+    jumps
 }
 
 /// Whitened residuals of a flight after the chosen effects: block, sensor, value.

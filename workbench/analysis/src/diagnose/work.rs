@@ -17,6 +17,7 @@ use super::problem::{Known, Problem};
 use super::search::{Explanation, Search, Seen};
 use super::wanted_effect::{Tried, WantedEffect};
 use crate::progress::{Cancelled, Progress, step};
+use replay::scatter::{self, Scatter};
 use replay::{Usage, barometer};
 
 /// Finds what the model lacks; all replays have the same model. `progress` is called once for each fit. The
@@ -77,6 +78,7 @@ pub(crate) fn judged<T>(
         diagnosis.flights = named.map(|(named, epochs)| facts(named, epochs)).collect();
         diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
         diagnosis.untested = untested(&prepared.candidates, flights, &prepared.epochs);
+        diagnosis.warnings = limits(flights, &prepared.epochs, model, &diagnosis, judge.problem.is_alone());
         let made = then(&Judged { judge, prepared: &prepared, findings: &findings }, progress)?;
         Ok((diagnosis, made, findings, search.into_seen()))
     })?;
@@ -200,8 +202,63 @@ fn facts(named: &NamedReplay<'_>, epochs: &Epochs) -> DiagnosedFlight {
         glitches: epochs.glitches.clone(),
         unreferenced_readings: epochs.unreferenced,
         refused_readings: epochs.refused,
-        fault: barometer::check(named.replay.flight()).map(barometer::Fault::sentence),
+        fault: barometer::faults(named.replay.flight()),
     }
+}
+
+/// A reference that is worse than a sensor is said where it is this many times as noisy as the model has it:
+/// as far as a monitor of three sigmas lets it go.
+const WORSE: f64 = 3.0;
+/// Fewest correlation times of the reference in a flight whose slow effects can be told from its wander: in
+/// two it takes two independent values.
+const LEAST_TIMES: f64 = 2.0;
+
+/// What limits a diagnosis: a reference that is worse than the sensor, and a flight too short for slow
+/// effects.
+fn limits(
+    flights: &[NamedReplay<'_>],
+    epochs: &[Epochs],
+    model: &Model,
+    diagnosis: &Diagnosis,
+    is_alone: bool,
+) -> Vec<String> {
+    let noise = &diagnosis.noise;
+    let allowed_m = f64::from(model.reference.sigma_m);
+    let mut limits = Vec::new();
+    for (named, epochs) in flights.iter().zip(epochs) {
+        let worse = scatter::find(named.replay.flight()).filter(|scatter| {
+            scatter.receiver_m > WORSE * allowed_m && scatter.receiver_m > WORSE * scatter.sensor_m
+        });
+        if let Some(Scatter { channel, receiver_m, sensor_m }) = worse {
+            limits.push(format!(
+                "{}: the reference is worse than the sensor: its fixes scatter by {receiver_m:.1} m about their neighbours, {} \
+                 by {sensor_m:.1} m, and the model has {allowed_m:.1} m for the reference; an error shows only where it \
+                 exceeds the reference's",
+                named.file,
+                channel.name()
+            ));
+        }
+        let series = &epochs.series;
+        let long_s = series.len() as f64 * series.block_s;
+        let time_s = noise.reference_time_s.max(f64::from(model.reference.correlation_time_s));
+        if long_s > 0.0 && long_s < LEAST_TIMES * time_s {
+            limits.push(format!(
+                "{}: {long_s:.0} s of flight; the reference's own error lasts {time_s:.0} s, so a drift, a warming up or a \
+                 height's error cannot be distinguished from it",
+                named.file
+            ));
+        }
+    }
+    // Two sensors that agree show which error is the reference's; one does not.
+    let own_m = noise.sensor_wander.values().map(|wander| wander.sigma_m).fold(0.0, f64::max);
+    if !is_alone && noise.reference_wander_m > WORSE * allowed_m.max(own_m) {
+        limits.push(format!(
+            "the reference is worse than the sensors: it wanders by {:.1} m, they by {own_m:.1} m at most, and the model has \
+             {allowed_m:.1} m for the reference; an error that all of them show is taken for the reference's",
+            noise.reference_wander_m
+        ));
+    }
+    limits
 }
 
 /// Why the effects on a UAV's inertial altitude are not tried where the flight computer computes that

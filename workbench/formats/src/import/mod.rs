@@ -48,6 +48,7 @@ mod words;
 
 use executor::Executor;
 use flight_data::{CsvProblem, Flight, Note};
+use replay::steps;
 
 pub use error::{ImportError, OpenError};
 
@@ -136,7 +137,8 @@ pub fn correct_and_check(
     notes.extend(gaps::note(flight));
     notes.extend(signs::notes(flight));
     notes.extend(unit_check::notes(flight));
-    notes.extend(barometer::note(flight));
+    notes.extend(barometer::notes(flight));
+    notes.extend(steps::notes(flight));
     Ok(())
 }
 
@@ -231,7 +233,9 @@ pub fn open(bytes: &[u8], name: &str, executor: &dyn Executor) -> Result<(Flight
     let (flight, mut notes) = open_csv(bytes, executor)?;
     notes.extend(gaps::note(&flight));
     notes.extend(unit_check::notes(&flight));
-    notes.extend(barometer::note(&flight));
+    notes.extend(barometer::notes(&flight));
+    notes.extend(steps::notes(&flight));
+    notes.extend(receivers::notes(&flight));
     Ok((flight, notes))
 }
 

@@ -147,6 +147,7 @@ impl Small {
             column_noise_m2: vec![0.0; self.candidates.len()],
             series: self.series.clone(),
             glitches: Vec::new(),
+            steps: Vec::new(),
             unreferenced: 0,
             refused: 0,
         }
