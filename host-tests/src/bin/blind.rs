@@ -37,7 +37,7 @@ struct Arguments {
     /// Print only the tables, without a line for every trial.
     #[arg(long, short)]
     quiet: bool,
-    /// Write the diagnosis's inputs and the truth to this folder, for other methods to try.
+    /// Write the flights, the diagnosis's inputs and the truth to this folder, for other methods to try.
     #[arg(long, value_name = "FOLDER")]
     dump: Option<PathBuf>,
 }
@@ -129,7 +129,8 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Flies and diagnoses a case, and writes the diagnosis's inputs.
+/// Flies and diagnoses a case, and writes the diagnosis's inputs: the block means (`SEED.csv`) and the whole
+/// flight (`SEED.flight.csv`), which another build of `pylon` can diagnose.
 fn one(case: Case, folder: Option<&Path>) -> anyhow::Result<Trial> {
     if let Some(folder) = folder {
         let model = Model::default();
@@ -137,6 +138,9 @@ fn one(case: Case, folder: Option<&Path>) -> anyhow::Result<Trial> {
         let replay = Replay::new(&flown.flight, &model, None)?;
         let mut out = BufWriter::new(File::create(folder.join(format!("{}.csv", case.seed)))?);
         pylon::diagnose::dump(&replay, &mut out)?;
+        out.flush()?;
+        let mut out = BufWriter::new(File::create(folder.join(format!("{}.flight.csv", case.seed)))?);
+        pylon::flight::to_writer(&mut out, &flown.flight)?;
         out.flush()?;
     }
     run(case)
