@@ -1,7 +1,6 @@
 //! `cargo xtask blind`, `real-trials` and `baselines`: how often a diagnosis is right, compared with the
 //! methods in use today.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,6 +8,7 @@ use std::process::Command;
 use anyhow::{Context, bail};
 
 use crate::child;
+use crate::cli::Baselines;
 use crate::setup::{self, Need};
 use crate::workspace;
 
@@ -18,7 +18,7 @@ struct Others {
     requirements: &'static str,
     folder: &'static str,
 }
-/// Least squares and the LASSO, compared with the diagnosis.
+/// Least squares, the LASSO and a state-space model, compared with the diagnosis.
 const BESIDE_DIAGNOSIS: Others = Others {
     script: "host-tests/baselines/compare.py",
     requirements: "host-tests/baselines/requirements.txt",
@@ -36,6 +36,11 @@ const PAGE: &str = "docs/blind-trials.md";
 const BASELINES: Marks = Marks {
     begin: "<!-- tables: written by `cargo xtask baselines --write` -->",
     end: "<!-- end of the tables -->",
+};
+/// The same for the second family of flights.
+const KINEMATIC_BASELINES: Marks = Marks {
+    begin: "<!-- kinematic tables: written by `cargo xtask baselines --family kinematic --write` -->",
+    end: "<!-- end of the kinematic tables -->",
 };
 /// The table of the development half of the real logs.
 const DEVELOPMENT: Marks = Marks {
@@ -76,19 +81,31 @@ pub fn run(trials: u64, seed: u64, family: &str, verbose: bool) -> anyhow::Resul
 }
 
 /// Flies the trials, runs the other methods on the diagnosis's inputs, and prints both tables.
-pub fn baselines(trials: u64, seed: u64, write: bool, echo: bool) -> anyhow::Result<()> {
+pub fn baselines(arguments: &Baselines, echo: bool) -> anyhow::Result<()> {
+    let Baselines { trials, seed, family, .. } = arguments;
+    // The script runs in the checkout's folder, which need not be the user's.
+    let earlier = arguments.earlier.as_ref().map(|program| {
+        program.canonicalize().with_context(|| format!("{} cannot be found", program.display()))
+    });
+    let earlier = earlier.transpose()?;
     let python = environment(&BESIDE_DIAGNOSIS, echo)?;
     let folder = emptied("blind-trials")?;
     let mut program = built("blind", echo)?;
-    program.args([&trials.to_string(), "--seed", &seed.to_string(), "--quiet", "--dump"]).arg(&folder);
+    program.args([&trials.to_string(), "--seed", &seed.to_string(), "--family", family]);
+    program.args(["--quiet", "--dump"]).arg(&folder);
     eprintln!("flying {trials} blind trials");
     let ours = child::run(&mut program, echo)?.stdout;
-    eprintln!("fitting their residuals with least squares and the LASSO");
-    let theirs = child::run(&mut script(&BESIDE_DIAGNOSIS, python, &folder), echo)?.stdout;
-    let text = tables(trials, seed, &ours, &theirs);
+    eprintln!("fitting their residuals with other methods: takes some seconds each");
+    let mut script = script(&BESIDE_DIAGNOSIS, python, &folder);
+    if let Some(earlier) = earlier {
+        script.arg("--earlier").arg(earlier);
+    }
+    let theirs = child::run(&mut script, echo)?.stdout;
+    let text = tables(arguments, &ours, &theirs);
     print!("{text}");
-    if write {
-        write_page(&BASELINES, &text)?;
+    if arguments.write {
+        let marks = if family == "kinematic" { &KINEMATIC_BASELINES } else { &BASELINES };
+        write_page(marks, &text)?;
     }
     Ok(())
 }
@@ -214,16 +231,16 @@ fn environment(others: &Others, echo: bool) -> anyhow::Result<PathBuf> {
 }
 
 /// Both tables, with the command that makes them.
-fn tables(trials: u64, seed: u64, ours: &str, theirs: &str) -> String {
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write!(
-        text,
-        "`cargo xtask baselines {trials} --seed {seed} --write`\n\n```text\n{}\n```\n\n{}\n",
+fn tables(arguments: &Baselines, ours: &str, theirs: &str) -> String {
+    let Baselines { trials, seed, family, earlier, .. } = arguments;
+    let earlier =
+        earlier.as_ref().map_or_else(String::new, |program| format!(" --earlier {}", program.display()));
+    format!(
+        "`cargo xtask baselines {trials} --seed {seed} --family {family}{earlier} --write`\n\n\
+         ```text\n{}\n```\n\n{}\n",
         ours.trim(),
         theirs.trim()
-    );
-    text
+    )
 }
 
 /// The page with the table between two lines replaced.
@@ -241,12 +258,21 @@ mod tests {
     #[test]
     fn the_pages_tables_are_replaced_and_nothing_else() {
         let page = fs::read_to_string(workspace::root().join(PAGE)).unwrap();
-        for marks in [&BASELINES, &DEVELOPMENT, &UNSEEN] {
-            let once = replaced(PAGE, &page, marks, &tables(7, 3, "ours", "theirs")).unwrap();
-            assert!(once.contains("cargo xtask baselines 7 --seed 3 --write"), "{once}");
+        let arguments = Baselines {
+            trials: 7,
+            seed: 3,
+            family: "kinematic".to_owned(),
+            earlier: Some("../pylon".into()),
+            write: true,
+        };
+        let text = tables(&arguments, "ours", "theirs");
+        for marks in [&BASELINES, &KINEMATIC_BASELINES, &DEVELOPMENT, &UNSEEN] {
+            let once = replaced(PAGE, &page, marks, &text).unwrap();
+            let command = "`cargo xtask baselines 7 --seed 3 --family kinematic --earlier ../pylon --write`";
+            assert!(once.contains(command), "{once}");
             assert_eq!(once.split(marks.begin).next(), page.split(marks.begin).next());
             assert_eq!(once.split(marks.end).last(), page.split(marks.end).last());
-            assert_eq!(replaced(PAGE, &once, marks, &tables(7, 3, "ours", "theirs")).unwrap(), once);
+            assert_eq!(replaced(PAGE, &once, marks, &text).unwrap(), once);
         }
         assert!(replaced(PAGE, "# Nothing", &BASELINES, "").unwrap_err().to_string().contains("has no line"));
     }

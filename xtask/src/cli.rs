@@ -1,6 +1,8 @@
 //! The command line.
 
-use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
 
 use crate::board::Barometer;
 use crate::{campaign, hil};
@@ -104,18 +106,9 @@ pub enum Job {
         #[arg(long)]
         write: bool,
     },
-    /// Compare the diagnosis with least squares and the LASSO on the blind trials' residuals.
-    Baselines {
-        /// Number of trials.
-        #[arg(default_value_t = 200)]
-        trials: u64,
-        /// Seed of the first trial; each further trial adds one.
-        #[arg(long, default_value_t = 1)]
-        seed: u64,
-        /// Also write the tables into docs/blind-trials.md.
-        #[arg(long)]
-        write: bool,
-    },
+    /// Compare the diagnosis with least squares, the LASSO and a state-space model on the blind trials'
+    /// residuals.
+    Baselines(Baselines),
     /// Fly random faults through the whole chain, and compare every flight with the same one without them.
     #[command(after_help = "\
 Examples:
@@ -235,4 +228,24 @@ pub enum BenchPart {
     Host,
     /// Time and memory of importing real logs, compared with pyulog, pymavlink and aerofiles.
     Import,
+}
+
+/// Arguments of `cargo xtask baselines`.
+#[derive(Debug, Args)]
+pub struct Baselines {
+    /// Number of trials.
+    #[arg(default_value_t = 200)]
+    pub trials: u64,
+    /// Seed of the first trial; each further trial adds one.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// The generator: `dynamic` (`pylon simulate`), or `kinematic`, which shares nothing with it.
+    #[arg(long, default_value = "dynamic", value_parser = ["dynamic", "kinematic"])]
+    pub family: String,
+    /// The program `pylon` of an earlier commit; it diagnoses the same flights.
+    #[arg(long, value_name = "PYLON")]
+    pub earlier: Option<PathBuf>,
+    /// Also write the tables into docs/blind-trials.md.
+    #[arg(long)]
+    pub write: bool,
 }

@@ -83,7 +83,7 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
         Job::Laws { trials, seed, beside, write } => blind::laws(trials, seed, beside, write, verbose)?,
         Job::RealTrials { half, write } => blind::real(&half, write, verbose)?,
         Job::MonitorCurves { seed } => monitor_curves::run(seed, verbose)?,
-        Job::Baselines { trials, seed, write } => blind::baselines(trials, seed, write, verbose)?,
+        Job::Baselines(arguments) => blind::baselines(&arguments, verbose)?,
         Job::Campaign(arguments) => {
             let is_kept = campaign::run(&arguments, verbose)?;
             return Ok(if is_kept { ExitCode::SUCCESS } else { ExitCode::FAILURE });

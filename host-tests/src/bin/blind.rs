@@ -40,7 +40,7 @@ struct Arguments {
     /// Also fly the plan that is advised for each set, and diagnose both flights together.
     #[arg(long)]
     fly_advice: bool,
-    /// Write the diagnosis's inputs and the truth to this folder, for other methods to try.
+    /// Write the flights, the diagnosis's inputs and the truth to this folder, for other methods to try.
     #[arg(long, value_name = "FOLDER")]
     dump: Option<PathBuf>,
 }
@@ -136,7 +136,8 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Flies and diagnoses a case, and writes the diagnosis's inputs.
+/// Flies and diagnoses a case, and writes the diagnosis's inputs: the block means (`SEED.csv`) and the whole
+/// flight (`SEED.flight.csv`), which another build of `pylon` can diagnose.
 fn one(case: Case, arguments: &Arguments) -> anyhow::Result<Trial> {
     if let Some(folder) = &arguments.dump {
         let model = Model::default();
@@ -144,6 +145,9 @@ fn one(case: Case, arguments: &Arguments) -> anyhow::Result<Trial> {
         let replay = Replay::new(&flown.flight, &model, None)?;
         let mut out = BufWriter::new(File::create(folder.join(format!("{}.csv", case.seed)))?);
         pylon::diagnose::dump(&replay, &mut out)?;
+        out.flush()?;
+        let mut out = BufWriter::new(File::create(folder.join(format!("{}.flight.csv", case.seed)))?);
+        pylon::flight::to_writer(&mut out, &flown.flight)?;
         out.flush()?;
     }
     run(case, arguments.fly_advice)

@@ -192,7 +192,7 @@ fn steps(
 /// changes over hundreds of metres.
 fn longer(leg: PlannedLeg) -> Option<PlannedLeg> {
     let is_long = leg.manoeuvre == PlannedManoeuvre::LongClimb;
-    is_long.then(|| PlannedLeg { duration_s: 3.0 * leg.duration_s, ..leg })
+    is_long.then_some(PlannedLeg { duration_s: 3.0 * leg.duration_s, ..leg })
 }
 
 /// Flies these legs, if they can be flown.
