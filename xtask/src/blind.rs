@@ -66,9 +66,12 @@ struct Marks {
 }
 
 /// Flies blind trials; their lines and tables are printed to standard output as they are made.
-pub fn run(trials: u64, seed: u64, family: &str, verbose: bool) -> anyhow::Result<()> {
+pub fn run(trials: u64, seed: u64, family: &str, flies_advice: bool, verbose: bool) -> anyhow::Result<()> {
     let mut program = built("blind", verbose)?;
     program.args([&trials.to_string(), "--seed", &seed.to_string(), "--family", family]);
+    if flies_advice {
+        program.arg("--fly-advice");
+    }
     if verbose {
         program.arg("--verbose");
     }

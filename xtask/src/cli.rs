@@ -78,6 +78,9 @@ pub enum Job {
         /// The generator: `dynamic` (`pylon simulate`), or `kinematic`, which shares nothing with it.
         #[arg(long, default_value = "dynamic", value_parser = ["dynamic", "kinematic"])]
         family: String,
+        /// Also fly the plan that is advised for each set, and diagnose both flights together.
+        #[arg(long)]
+        fly_advice: bool,
     },
     /// Search simulated flights for a hidden law of their recorded signals, blind, and count how often the
     /// search is right.

@@ -79,7 +79,9 @@ fn run(job: Job, verbose: bool) -> anyhow::Result<ExitCode> {
         }
         Job::Hil(arguments) => return hil::run(&arguments, verbose),
         Job::Bench { json, part } => bench::run(part, json, verbose)?,
-        Job::Blind { trials, seed, family } => blind::run(trials, seed, &family, verbose)?,
+        Job::Blind { trials, seed, family, fly_advice } => {
+            blind::run(trials, seed, &family, fly_advice, verbose)?;
+        }
         Job::Laws { trials, seed, beside, write } => blind::laws(trials, seed, beside, write, verbose)?,
         Job::RealTrials { half, write } => blind::real(&half, write, verbose)?,
         Job::MonitorCurves { seed } => monitor_curves::run(seed, verbose)?,

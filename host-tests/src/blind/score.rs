@@ -47,6 +47,10 @@ pub struct Score {
     pub testable_held: Share,
     /// See [`Self::testable_held`].
     pub testable_identified: Share,
+    /// The same two, of those on rich flights.
+    pub rich_held: Share,
+    /// See [`Self::rich_held`].
+    pub rich_identified: Share,
     /// Sets with "or nothing" that contain an effect that acts.
     pub perhaps: Share,
     /// The number that should, by the probabilities of their effects.
@@ -84,6 +88,10 @@ impl Score {
                         if trial.could_test(id) {
                             score.testable_held.count(trial.holds(id));
                             score.testable_identified.count(trial.identified().contains(id));
+                            if trial.case.plan == Plan::Rich {
+                                score.rich_held.count(trial.holds(id));
+                                score.rich_identified.count(trial.identified().contains(id));
+                            }
                         }
                     }
                 }
@@ -119,6 +127,8 @@ pub fn table(trials: &[Trial]) -> String {
         ("  of those identified outright", score.strongest_identified, ""),
         ("the same where its signals were recorded: identified or in a set", score.testable_held, ">= 96 %"),
         ("  of those identified outright", score.testable_identified, ""),
+        ("of those, on rich flights: identified or in a set", score.rich_held, ""),
+        ("  of those identified outright", score.rich_identified, ""),
         ("a wrong effect identified, of all trials", score.wrong, "<= 2 %"),
         ("null flights and glitches called quiet", score.null_quiet, ">= 97 %"),
         ("outside the catalogue (over twice the noise) called unknown", score.outside_unknown, ">= 80 %"),

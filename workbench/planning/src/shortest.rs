@@ -273,13 +273,15 @@ mod tests {
         assert!(set([1e-100, 1e-90]) > set([1e-100, 1e-100]));
         // Half certain and half hopeless is no better than two that are halfway.
         assert!(set([1.0, 1e-30]) < set([0.5, 0.5]));
-        let hidden = SetOutlook {
-            members: vec![member(0.5, Some(1.0)), member(0.5, None)],
+        // An effect whose signal is not recorded counts in what is resolved only.
+        let hidden = |identified: f64| SetOutlook {
+            members: vec![member(0.5, Some(identified)), member(0.5, None)],
             nothing: None,
             cleared: None,
-            resolved: 0.5,
+            resolved: 0.5 * identified,
         };
-        assert!(of_set(&hidden) < set([0.6, 0.6]) && of_set(&hidden) > set([0.01, 0.01]));
+        assert!((of_set(&hidden(1.0)) - 1.0).abs() < 1e-9);
+        assert!(of_set(&hidden(0.9)) < of_set(&hidden(1.0)));
     }
 
     #[test]
