@@ -80,28 +80,19 @@ struct Set {
 }
 
 /// Weight of a sum of squares, which is smaller the more the effects explain. Where the climb rate is
-/// measured, the shares are those of `simplicity.rs`, over the whole flight, and not of `rivals.rs`, which
-/// takes into account where two effects differ: a plan should rather promise too little separation than too
-/// much.
-#[derive(Clone, Copy, Debug)]
+/// measured, the shares are those of `rivals.rs`, but of all that is explained, over the whole flight, instead
+/// of where two effects differ: a plan should rather promise too little separation than too much.
+#[derive(Clone, Debug)]
 struct Tempering {
-    /// The divisor where nothing is explained.
-    base: f64,
-    /// The share of the explained squares that errors of formulas and signals may make.
-    shape: f64,
+    /// The shares (squares) of what is explained that errors of each candidate's shape may make.
+    shapes: Vec<f64>,
 }
 
-/// The share (squares) of what an effect will explain that errors of its shape may make, where a flight is
-/// only planned: measured signals, their delays and the terms that a formula leaves out make it wrong by
-/// about 14 %.
-const SHAPE: f64 = 0.02;
-/// The same where a regressor is only roughly known.
-const ROUGH_SHAPE: f64 = 0.1;
-
 impl Tempering {
-    /// The power of the likelihood where this many squares are explained.
-    fn power(self, explained: f64) -> f64 {
-        1.0 / (self.base + 0.5 * self.shape * explained.max(0.0))
+    /// The power of the likelihood where this many squares are explained, against this column.
+    fn power(&self, column: usize, explained: f64) -> f64 {
+        let shape = self.shapes.get(column).copied().unwrap_or(0.0);
+        1.0 / (1.0 / weigher::POWER + shape * explained.max(0.0))
     }
 }
 
@@ -198,12 +189,11 @@ impl Planner {
         columns.extend(found.iter().copied().chain(of_sets));
         columns.sort_unstable();
         columns.dedup();
-        let is_rough = found.iter().any(|column| suspects.is_rough(*column));
-        let tempering = if findings.posterior.is_some() {
-            Tempering { base: 1.0 / weigher::POWER, shape: weigher::SHAPE }
-        } else {
-            Tempering { base: 1.0, shape: if is_rough { ROUGH_SHAPE } else { SHAPE } }
+        // Half of it where sets have probabilities, as in `weigher.rs`.
+        let shape = |column| {
+            if findings.posterior.is_some() { 0.5 * weigher::SHAPE } else { suspects.shape(column) }
         };
+        let tempering = Tempering { shapes: (0..candidates.len()).map(shape).collect() };
         let noise = findings.explanation.fit.noise;
         Self {
             candidates: candidates.clone(),
@@ -333,8 +323,8 @@ impl Planner {
         let truth_now = self.information.solve(&acting)?;
         let both = self.information.plus(&flown.with_response(&acting, &truth_now.coefficients));
         let truth_then = both.solve(&acting)?;
-        let power_now = self.tempering.power(self.information.total() - truth_now.rest);
-        let power_then = self.tempering.power(both.total() - truth_then.rest);
+        let power_now = self.tempering.power(truth, self.information.total() - truth_now.rest);
+        let power_then = self.tempering.power(truth, both.total() - truth_then.rest);
         // The worth of an effect's fit, without what all of the set share.
         let worth = |power: f64, solution: &Solution| {
             let variance = solution.covariance.last().copied().unwrap_or(f64::INFINITY);
@@ -422,7 +412,7 @@ impl Planner {
         let without_now = self.information.solve(&without)?;
         let then = self.information.plus(flown).solve(&with)?;
         let share = then.covariance.last()? / now.covariance.last()?;
-        let power = self.tempering.power(self.information.total() - now.rest);
+        let power = self.tempering.power(column, self.information.total() - now.rest);
         let shown = (without_now.rest - now.rest).max(0.0);
         let root = (shown * share).sqrt() + scatter * (1.0 - share).max(0.0).sqrt();
         Some(0.5 * power * (root * root - shown) + 0.5 * libm::log(share))

@@ -9,7 +9,7 @@ use super::epochs::Epochs;
 use super::named_replay::NamedReplay;
 use super::physical_range::{Bounds, measures_climb_rate, range};
 use super::problem::{Known, Problem};
-use super::roughness::{is_rough, scale, shape};
+use super::roughness::{scale, shape};
 use super::series::Series;
 use super::suspects::{Regressors, Suspects};
 use super::wanted_effect::Tried;
@@ -108,7 +108,6 @@ impl Prepared {
         let effects = || self.candidates.iter().map(Candidate::effect);
         let regressors = Regressors {
             noise_m2,
-            is_rough: effects().map(|effect| is_rough(&self.epochs, effect)).collect(),
             shape: effects().map(|effect| shape(&self.epochs, effect)).collect(),
             bounds: effects()
                 .map(|effect| Bounds {

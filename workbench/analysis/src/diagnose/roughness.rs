@@ -29,7 +29,7 @@ const UNSTEADY_SCALE: f64 = 1.0 / 288.0;
 
 /// Whether an effect's regressor is known only to about ten per cent: the airspeed is not measured, or the
 /// regressor is integrated twice from specific forces and attitudes, whose small errors grow.
-pub(super) fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
+fn is_rough(epochs: &[Epochs], effect: EffectId) -> bool {
     let is_integrated = matches!(
         effect,
         EffectId::ImuAccelScale | EffectId::ImuTilt | EffectId::ImuGyroBias | EffectId::ImuVibration

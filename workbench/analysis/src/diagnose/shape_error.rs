@@ -326,12 +326,7 @@ mod tests {
         let candidates = [EffectId::BaroLag, EffectId::BaroScale]
             .map(|id| Candidate::of(Regressor { id, time_constant_s: 0.0, since: Clock::Launch }));
         let bounds = Bounds { range: [-10.0, 10.0], scale: 0.0 };
-        let regressors = Regressors {
-            noise_m2: vec![0.0; 2],
-            is_rough: vec![false; 2],
-            shape: vec![0.01; 2],
-            bounds: vec![bounds; 2],
-        };
+        let regressors = Regressors { noise_m2: vec![0.0; 2], shape: vec![0.01; 2], bounds: vec![bounds; 2] };
         let suspects = Suspects::new(&candidates, regressors, vec![0, 1]);
         let variance = with(two_columns(BARO, first, second), |problem| {
             variance_of_coefficient(problem, &suspects, &noise(NONE_M), columns)

@@ -17,7 +17,6 @@ const EVIDENCE: f64 = 16.0;
 pub struct Suspects<'a> {
     candidates: &'a [Candidate],
     noise_m2: Vec<f64>,
-    is_rough: Vec<bool>,
     shape: Vec<f64>,
     bounds: Vec<Bounds>,
     usable: Vec<usize>,
@@ -29,8 +28,6 @@ pub struct Suspects<'a> {
 pub struct Regressors {
     /// Variance of the noise in each one's block means, m^2 per squared unit of its coefficient.
     pub noise_m2: Vec<f64>,
-    /// Whether each one is only roughly known.
-    pub is_rough: Vec<bool>,
     /// Relative error (squares) of each one's shape.
     pub shape: Vec<f64>,
     /// Physical ranges of the coefficients.
@@ -44,8 +41,8 @@ impl<'a> Suspects<'a> {
         let mut effects: Vec<_> = usable.iter().map(|column| candidates[*column].effect()).collect();
         effects.dedup();
         let penalty = 2.0 * libm::log(effects.len().max(1) as f64) + EVIDENCE;
-        let Regressors { noise_m2, is_rough, shape, bounds } = regressors;
-        Self { candidates, noise_m2, is_rough, shape, bounds, usable, penalty }
+        let Regressors { noise_m2, shape, bounds } = regressors;
+        Self { candidates, noise_m2, shape, bounds, usable, penalty }
     }
 
     /// A column's candidate.
@@ -113,12 +110,6 @@ impl<'a> Suspects<'a> {
     #[must_use]
     pub const fn penalty(&self) -> f64 {
         self.penalty
-    }
-
-    /// Whether a candidate's regressor is only roughly known.
-    #[must_use]
-    pub fn is_rough(&self, column: usize) -> bool {
-        self.is_rough.get(column) == Some(&true)
     }
 
     /// Possible relative error (squares) of the shape of what a candidate contributes to a tenth of a flight.

@@ -1062,6 +1062,10 @@ is_seen_now: boolean,
  */
 is_seen_then: boolean, 
 /**
+ * The probability that they would.
+ */
+detection_then: number, 
+/**
  * Whether the plan has the effect's signals. An effect by formula may need a column that no simulation
  * has.
  */
@@ -1502,8 +1506,7 @@ advice: string, };
  */
 export type Gain = { 
 /**
- * The probability that it would single out the acting effect of a set, averaged over the sets; null
- * without a set.
+ * The probability that it would resolve a set, averaged over the sets; null without a set.
  */
 tells_apart: number | null, 
 /**
@@ -1670,7 +1673,8 @@ export type MemberOutlook = {
  */
 effect: string, 
 /**
- * The probability now that this effect is the one that acts, if one of the set does.
+ * The probability now that this effect is the one that acts. Those of the set and of nothing add up to
+ * one.
  */
 probability: number, 
 /**
@@ -1683,9 +1687,14 @@ probability_then: number | null,
  */
 left: number | null, 
 /**
- * By how many sigmas the planned flight would distinguish it from the most similar of the others.
+ * By how many sigmas the planned flight would distinguish it from the most similar of the others, or
+ * from nothing.
  */
-sigmas: number | null, };
+sigmas: number | null, 
+/**
+ * The probability that it would be identified, if it is the one that acts.
+ */
+identified: number | null, };
 
 /**
  * The contents of a model.
@@ -2220,7 +2229,7 @@ model: ModelText,
  */
 times: { [key in string]: Times }, 
 /**
- * The plan; null: the one that Pylon suggests, with the gain of each manoeuvre by itself.
+ * The plan; null: the shortest that Pylon finds, with the gain of each manoeuvre by itself.
  */
 plan: FlightPlan | null, };
 
@@ -2292,9 +2301,9 @@ export type PlannedManoeuvre = "speed_sweep" | "climbs" | "pull_ups" | "turns" |
  */
 export type PlannedSegment = { 
 /**
- * `straight`, `climb`, `dive`, `level_off`, `pull_up`, `turn`, `accelerate`, `decelerate`.
+ * What to do, as a pilot reads it.
  */
-manoeuvre: string, 
+words: string, 
 /**
  * Start, seconds after the calibration.
  */
@@ -2303,22 +2312,6 @@ from_s: number,
  * Duration, seconds.
  */
 duration_s: number, 
-/**
- * The airspeed to hold, m/s.
- */
-airspeed_mps: number, 
-/**
- * The flight path to fly, degrees above the horizon, if it has one.
- */
-flight_path_deg: number | null, 
-/**
- * The bank, degrees, positive to the right, if it has one.
- */
-bank_deg: number | null, 
-/**
- * The limit on the load factor, if it has one.
- */
-load_factor: number | null, 
 /**
  * Simulated altitude at its end, m above mean sea level.
  */
@@ -2938,13 +2931,27 @@ to_s: number | null,
 pixels: number, };
 
 /**
- * A set of effects of which one acts.
+ * A set of effects of which one acts, or perhaps none.
  */
 export type SetOutlook = { 
 /**
  * The effects of the set, the most probable first.
  */
-members: Array<MemberOutlook>, };
+members: Array<MemberOutlook>, 
+/**
+ * The probability now that none of them acts; null where that is below 5 %.
+ */
+nothing: number | null, 
+/**
+ * The probability that the set would no longer be reported, if none of them acts; null where that is
+ * below 5 %.
+ */
+cleared: number | null, 
+/**
+ * The probability that the planned flight resolves the set: that the effect that acts is then
+ * identified, or that the set is no longer reported if none does.
+ */
+resolved: number, };
 
 /**
  * The quantity that a curve shows.

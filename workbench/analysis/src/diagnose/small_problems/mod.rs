@@ -125,12 +125,8 @@ impl Small {
     /// The suspects: all candidates.
     pub(super) fn suspects(&self) -> Suspects<'_> {
         let count = self.candidates.len();
-        let regressors = Regressors {
-            noise_m2: vec![0.0; count],
-            is_rough: vec![false; count],
-            shape: vec![0.01; count],
-            bounds: self.bounds.clone(),
-        };
+        let regressors =
+            Regressors { noise_m2: vec![0.0; count], shape: vec![0.01; count], bounds: self.bounds.clone() };
         Suspects::new(&self.candidates, regressors, (0..count).collect())
     }
 
