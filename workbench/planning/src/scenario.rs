@@ -24,6 +24,10 @@ pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
          [vehicle.airframe]\n\
          wing_area_m2 = {wing:?}\n\
          \n\
+         # The same for the aircraft that carries it.\n\
+         [carrier]\n\
+         wing_area_m2 = {wing:?}\n\
+         \n\
          # Straight and level, for the calibration.\n\
          [captive]\n\
          duration_s = {calibration_s:?}\n\

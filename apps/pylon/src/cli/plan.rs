@@ -6,7 +6,7 @@ use clap::Args;
 use pylon::flight::Flight;
 use pylon::output_file::write_atomically;
 use pylon::overview::quoted;
-use pylon::plan::{diagnose, suggest, text};
+use pylon::plan::{diagnose, is_hopeless, suggest, text};
 use pylon::results::PlanResult;
 
 use super::failure::Failure;
@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Failure> {
             "\nWrote {file}. To rehearse it: pylon simulate {scenario} -o rehearsal.csv\n\
              After the flight: pylon diagnose {names} NEXT_FLIGHT\n"
         );
-    } else {
+    } else if !is_hopeless(&result) {
         said += "\nTo write this as a scenario, for `pylon simulate`: -o next.toml\n";
     }
     terminal::put_coloured(&said)

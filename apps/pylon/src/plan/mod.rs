@@ -10,7 +10,7 @@ use model::Model;
 
 pub use planning::shortest::{Aim, RESOLVED, Shortest, shortest};
 pub use planning::*;
-pub use text::text;
+pub use text::{is_hopeless, text};
 
 use crate::threads::Threads;
 

@@ -10,6 +10,10 @@ use super::{Aim, RESOLVED};
 use crate::diagnose::text::per_cent;
 use crate::results::PlanResult;
 
+/// A plan that resolves a set with less is not worth a flight: the probability below which an effect is no
+/// suspect.
+const HOPELESS: f64 = 0.05;
+
 /// Writes a line to a string, which cannot fail.
 macro_rules! put {
     ($out:expr, $($arguments:tt)*) => {{
@@ -31,6 +35,12 @@ pub fn text(result: &PlanResult, colour: bool) -> String {
         put!(out, "Not excited so far: {}.", open.join(", "));
     }
     put!(out, "{}", purpose(result));
+    if is_hopeless(result) {
+        for advice in &result.advice {
+            put!(out, "{advice}");
+        }
+        return out;
+    }
     put!(
         out,
         "First {:.0} s straight and level at {:.0} m/s and {:.0} m, for the calibration. Then:\n",
@@ -72,6 +82,12 @@ pub fn text(result: &PlanResult, colour: bool) -> String {
     out
 }
 
+/// Whether the best plan is as good as none: it would probably resolve no set.
+#[must_use]
+pub fn is_hopeless(result: &PlanResult) -> bool {
+    result.aim == Aim::Sets && result.outlook.sets.iter().all(|set| set.resolved < HOPELESS)
+}
+
 /// Effects that no flight has excited yet and whose signals the plan has.
 fn open(outlook: &Outlook) -> Vec<&str> {
     let open = outlook.effects.iter().filter(|effect| !effect.is_seen_now && effect.is_planned);
@@ -101,6 +117,9 @@ fn purpose(result: &PlanResult) -> String {
             format!(
                 "The shortest plan found that resolves this with at least {wanted} takes {length} min of manoeuvres."
             )
+        }
+        (Aim::Sets, false) if is_hopeless(result) => {
+            format!("No flight resolves this: the best plan that was found would with {}.", per_cent(least))
         }
         (Aim::Sets, false) => format!(
             "No plan was found that resolves this with {wanted}. The best one takes {length} min of manoeuvres and resolves it with {}.",

@@ -20,6 +20,8 @@ pub struct PlanResult {
     pub file: Option<String>,
     /// What the diagnosis of the flights says.
     pub headline: String,
+    /// The diagnosis's advice on what these flights leave open: what to fly or to record.
+    pub advice: Vec<String>,
     /// What the plan is for.
     pub aim: Aim,
     /// Whether it resolves every set, or shows every effect, with a probability of 90 %.
@@ -42,11 +44,16 @@ impl PlanResult {
     /// The result of a search for the flights of this diagnosis.
     #[must_use]
     pub fn new(diagnosis: &Diagnosis, found: &Shortest, around: &Circumstances) -> Self {
+        let open = diagnosis.sensors.values().filter(|sensor| sensor.sets().next().is_some());
+        let mut advice: Vec<String> = open.map(|sensor| sensor.advice.clone()).collect();
+        advice.sort();
+        advice.dedup();
         Self {
             version: VERSION,
             model: diagnosis.model.clone(),
             file: None,
             headline: headline(diagnosis),
+            advice,
             aim: found.aim,
             is_enough: found.is_enough(),
             plan: found.plan.clone(),
