@@ -4,9 +4,9 @@
 //! Looked at is the difference between a sensor's altitude and the receiver's, in which the aircraft's motion
 //! cancels, from fix to fix. A step is a change from one fix to the next that
 //!
-//! - is more than [`NOISE_SIGMAS`] of the usual change,
+//! - is more than five sigmas of the usual change,
 //! - lasts: the levels of the half minutes before and after differ by as much, and by more than
-//!   [`LEVEL_SIGMAS`] of what such levels usually differ by,
+//!   five sigmas of what such levels usually differ by,
 //! - is in one of the two altitudes alone: that one bends by the step, while the other moves on.
 //!
 //! A release ends the carrier's pressure field at once. Changes as near to a change of the `launch` column as

@@ -37,11 +37,20 @@ pub fn planned(
         None => {
             let offers =
                 planning.weighed_offers(&mut |done, all| progress("flying each manoeuvre", done, all));
-            let found = shortest(&planning, &mut counting("looking for the shortest plan", progress));
-            let found = found.ok_or_else(|| {
+            let best = offers.iter().find(|offer| offer.gain.is_some());
+            let best = best.ok_or_else(|| {
                 refused("no manoeuvre on offer can be flown at the speed and altitude of these flights")
             })?;
-            (found.plan, found.flown, offers)
+            let plan = planning.plan(vec![best.leg]);
+            let flown = planning.flown(&plan).map_err(refused)?;
+            // A set is worth the search; for what is not excited it takes a browser minutes.
+            let found = if flown.outlook.sets.is_empty() {
+                None
+            } else {
+                shortest(&planning, &mut counting("looking for the shortest plan", progress))
+            };
+            let (plan, flown) = found.map_or((plan, flown), |found| (found.plan, found.flown));
+            (plan, flown, offers)
         }
     };
     Ok(Planned {

@@ -18,7 +18,7 @@ pub struct PlanRequest {
     pub model: ModelText,
     /// The user's times for them.
     pub times: TimesByFlight,
-    /// The plan; null: the shortest that Pylon finds, with the gain of each manoeuvre by itself.
+    /// The plan; null: the one that Pylon suggests, with the gain of each manoeuvre by itself.
     pub plan: Option<FlightPlan>,
 }
 

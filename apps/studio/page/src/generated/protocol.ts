@@ -2229,7 +2229,7 @@ model: ModelText,
  */
 times: { [key in string]: Times }, 
 /**
- * The plan; null: the shortest that Pylon finds, with the gain of each manoeuvre by itself.
+ * The plan; null: the one that Pylon suggests, with the gain of each manoeuvre by itself.
  */
 plan: FlightPlan | null, };
 
