@@ -390,7 +390,7 @@ impl Planner {
     /// much less as its coefficient becomes more certain.
     fn if_nothing_acts(&self, set: &Set, flown: &Information) -> f64 {
         let nothing = set.nothing.unwrap_or(0.0);
-        let log_odds = |scatter: f64| -> f64 {
+        let odds = |scatter: f64| -> f64 {
             let of_member = |(_, probability, column): &(EffectId, f64, Option<usize>)| {
                 let gain = column.and_then(|column| self.chance(set, column, flown, scatter));
                 probability / nothing * libm::exp(gain.unwrap_or(0.0))
@@ -399,7 +399,7 @@ impl Planner {
         };
         // Nothing has a probability of at least EMPTY where these odds are at most this.
         let limit = (1.0 - EMPTY) / EMPTY;
-        probability_below(|scatter| log_odds(scatter) <= limit)
+        probability_below(|scatter| odds(scatter) <= limit)
     }
 
     /// The gain in log odds of an effect that does not act, where the planned flight's noise is this many
@@ -414,9 +414,17 @@ impl Planner {
         let share = then.covariance.last()? / now.covariance.last()?;
         let power = self.tempering.power(column, self.information.total() - now.rest);
         let shown = (without_now.rest - now.rest).max(0.0);
-        let root = (shown * share).sqrt() + scatter * (1.0 - share).max(0.0).sqrt();
-        Some(0.5 * power * (root * root - shown) + 0.5 * libm::log(share))
+        Some(gain_by_chance(shown, share, power, scatter))
     }
+}
+
+/// The gain in log odds of an effect that fitted by chance: `shown` squares now, with a variance that the
+/// planned flight reduces to this share, where that flight's noise is `scatter` sigmas in its favour. It
+/// grows with the scatter: a coefficient that turns its sign counts as none, since it would have to become as
+/// certain the other way, which is less probable by far.
+fn gain_by_chance(shown: f64, share: f64, power: f64, scatter: f64) -> f64 {
+    let root = (shown * share).sqrt() + scatter * (1.0 - share).max(0.0).sqrt();
+    0.5 * power * (root.max(0.0).powi(2) - shown) + 0.5 * libm::log(share)
 }
 
 /// What would be found.
@@ -505,6 +513,20 @@ mod tests {
             let half = Other::new(0.5, -0.25 * d * d, d * d, 0.5);
             let wanted = normal_above((libm::log(19.0) - 0.25 * d * d) / (0.5 * d));
             assert!((identified(0.5, &[half]) - wanted).abs() < 1e-3, "{d}");
+        }
+    }
+
+    /// An effect of three sigmas that does not act, and a flight that is three times as informative: odds of
+    /// two become less than one unless the new noise is that much in its favour. The limit of the root is
+    /// where `root^2 = 9 - 2 ln 2 - ln 1/4`, and the root has a mean of 3/2 and a variance of 3/4.
+    #[test]
+    fn an_effect_by_chance_is_mostly_no_longer_reported() {
+        let gain = |scatter| gain_by_chance(9.0, 0.25, 1.0, scatter);
+        let cleared = probability_below(|scatter| 2.0 * libm::exp(gain(scatter)) <= 1.0);
+        let wanted = normal_above((1.5 - 3.0) / 0.75_f64.sqrt());
+        assert!((cleared - wanted).abs() < 1e-3, "{cleared} {wanted}");
+        for scatter in [-37.0, -5.0, -1.0, 0.0, 1.0] {
+            assert!(gain(scatter) <= gain(scatter + 0.5), "{scatter}");
         }
     }
 
