@@ -6,6 +6,9 @@ use flight_data::{Channel, Flight};
 const FLYING_MPS: f64 = 5.0;
 /// The simulated airframe's own trim, m/s: used for planning if no flight records a speed.
 const OWN_SPEED_MPS: f64 = 28.0;
+/// Throttle of the simulated airframe in level flight at its trim (`simulate::scenario::Airframe`: a drag of 13
+/// of 60 N). Its vibration is proportional to the throttle.
+const LEVEL_THROTTLE: f64 = 0.22;
 /// Rows a second of a scenario: no sensor is faster.
 pub const ROWS_HZ: f64 = 200.0;
 
@@ -24,6 +27,9 @@ pub struct Circumstances {
     pub imu_hz: f64,
     /// Whether the speed was recorded in a flight.
     pub is_speed_known: bool,
+    /// Vibration of each body axis at full throttle (1 sigma), m/s^2, with which the simulated aircraft
+    /// vibrates in level flight as these flights did; zero without an accelerometer.
+    pub vibration_mps2: f64,
 }
 
 impl Circumstances {
@@ -45,6 +51,7 @@ impl Circumstances {
             baro_hz: rate(&[Channel::BaroPa, Channel::BaroAltM], 50.0),
             imu_hz: rate(&[Channel::ImuSlaveAltM], 50.0),
             is_speed_known: speed_mps.is_some(),
+            vibration_mps2: vibration_mps2(flights).unwrap_or(0.0) / LEVEL_THROTTLE,
         }
     }
 
@@ -75,6 +82,25 @@ fn speeds(flight: &Flight) -> Vec<f64> {
     north.samples_f64().filter_map(speed).filter(|speed| speed.is_finite()).collect()
 }
 
+/// Standard deviation of an axis' vibration in flight, m/s^2: half the mean square of the difference from one
+/// sample to the next, as in the regressor of `imu.vibration`.
+fn vibration_mps2(flights: &[&Flight]) -> Option<f64> {
+    let axes = [Channel::AccelXMps2, Channel::AccelYMps2, Channel::AccelZMps2];
+    let (mut sum, mut count) = (0.0, 0_u32);
+    for flight in flights {
+        let launch = flight.channel(Channel::Launch);
+        let is_free = |row: usize| launch.is_none_or(|launch| launch.get(row) == Some(1.0));
+        for column in axes.iter().filter_map(|axis| flight.channel(*axis)) {
+            let samples = || column.samples_f64().filter(|(row, value)| is_free(*row) && value.is_finite());
+            for ((_, one), (_, next)) in samples().zip(samples().skip(1)) {
+                sum += 0.5 * (next - one) * (next - one);
+                count += 1;
+            }
+        }
+    }
+    (count > 0).then(|| libm::sqrt(sum / f64::from(count)))
+}
+
 fn altitudes(flight: &Flight) -> Vec<f64> {
     let altitude = flight.channel(Channel::GpsAltM);
     altitude
@@ -97,4 +123,33 @@ fn rate(flight: &Flight, channel: Channel) -> Option<f64> {
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use flight_data::Column;
+
+    use super::*;
+
+    /// A vibration that alternates by two either way has differences of four: a variance of eight. Before the
+    /// launch it does not count, and a steady force is none.
+    #[test]
+    fn the_vibration_is_that_of_the_flight() {
+        let mut flight = Flight::default();
+        let (mut launch, mut shaken, mut steady) = (Column::default(), Column::default(), Column::default());
+        for row in 0..400_u16 {
+            let is_free = row >= 200;
+            let side = if row % 2 == 0 { 2.0 } else { -2.0 };
+            flight.time_s.push(f64::from(row) * 0.01);
+            launch.push(Some(f32::from(u8::from(is_free))));
+            shaken.push(Some(if is_free { side - 9.81 } else { 30.0 * side }));
+            steady.push(Some(3.0));
+        }
+        flight.set_channel(Channel::Launch, launch);
+        flight.set_channel(Channel::AccelZMps2, shaken);
+        assert!((vibration_mps2(&[&flight]).unwrap() - 8.0_f64.sqrt()).abs() < 1e-6);
+        flight.set_channel(Channel::AccelXMps2, steady);
+        assert!((vibration_mps2(&[&flight]).unwrap() - 2.0).abs() < 1e-6, "the mean of both axes' variances");
+        assert_eq!(vibration_mps2(&[&Flight::default()]), None);
+    }
 }

@@ -20,6 +20,10 @@ pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
          source = \"a planned flight, simulated\"\n\
          rate_hz = {ROWS_HZ:?}\n\
          \n\
+         # In level flight it vibrates as the aircraft of these flights.\n\
+         [vehicle]\n\
+         vibration_mps2 = {vibration:?}\n\
+         \n\
          # The wing carries the aircraft at this speed and altitude as the default one does at {TRIM_MPS:?} m/s near the ground.\n\
          [vehicle.airframe]\n\
          wing_area_m2 = {wing:?}\n\
@@ -44,6 +48,7 @@ pub fn text(plan: &FlightPlan, around: &Circumstances) -> String {
          [sensors.imu_slave.sampling]\n\
          rate_hz = {imu:?}\n",
         wing = WING_M2 * (TRIM_MPS / speed_mps) * (TRIM_MPS / speed_mps) / density_ratio(*altitude_m),
+        vibration = around.vibration_mps2,
         gps = around.gps_hz,
         baro = around.baro_hz,
         imu = around.imu_hz,

@@ -105,9 +105,7 @@ impl Fault {
             }
         }
     }
-}
 
-impl Fault {
     /// The same of the UAV's inertial altitude.
     #[must_use]
     pub fn inertial_sentence(self) -> String {

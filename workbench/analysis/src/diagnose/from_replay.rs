@@ -1,6 +1,7 @@
 //! Turns a replay's ticks into [`Epochs`].
 
 use executor::Executor;
+use flight_data::Channel;
 use kf_core::effect::EffectSubject;
 use kf_core::input::TickInput;
 use kf_core::sensor::{SENSORS, Sensor};
@@ -16,7 +17,6 @@ use super::latent_path;
 use super::physical_range::measures_climb_rate;
 use super::reference_path::{Fix, ReferencePath};
 use super::residuals::known_m;
-use flight_data::Channel;
 use replay::steps::{self, Step};
 use replay::{Observer, Replay};
 
