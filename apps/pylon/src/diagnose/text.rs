@@ -188,15 +188,9 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
         put!(out, "  missing, strongest first: {}", said.join(", "));
     }
     for set in sensor.sets() {
-        let mut said: Vec<String> = set
-            .effects
-            .iter()
-            .zip(set.probabilities)
-            .map(|(effect, probability)| format!("{effect} ({})", per_cent(*probability)))
-            .collect();
-        said.extend(set.nothing.map(|nothing| format!("or nothing ({})", per_cent(nothing))));
-        let one_of = if set.effects.len() == 1 { "perhaps" } else { "one of" };
-        put!(out, "  {one_of}: {}", said.join(", "));
+        let members = set.effects.iter().map(|effect| &**effect).zip(set.probabilities.iter().copied());
+        let (one_of, said) = set_in_words(members, set.nothing);
+        put!(out, "  {one_of}: {said}");
     }
     if let Some(factor) = sensor.free_flight_factor.filter(|factor| *factor > 1.5) {
         put!(
@@ -227,6 +221,18 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
     if !sensor.advice.is_empty() {
         put!(out, "  {}", sensor.advice);
     }
+}
+
+/// What a set is called, and its effects with their probabilities and that of nothing.
+pub(crate) fn set_in_words<'a>(
+    members: impl Iterator<Item = (&'a str, f64)>,
+    nothing: Option<f64>,
+) -> (&'static str, String) {
+    let mut said: Vec<String> =
+        members.map(|(effect, probability)| format!("{effect} ({})", per_cent(probability))).collect();
+    let name = if said.len() == 1 { "perhaps" } else { "one of" };
+    said.extend(nothing.map(|nothing| format!("or nothing ({})", per_cent(nothing))));
+    (name, said.join(", "))
 }
 
 /// An effect and how probable it is that it acts, where that is known.

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use analysis::diagnose::{Outlook, SetOutlook};
+use analysis::diagnose::{EffectOutlook, Outlook, SetOutlook};
 use planning::PlannedSegment;
 use view::{Cell, Table};
 
 use super::{Aim, RESOLVED};
-use crate::diagnose::text::per_cent;
+use crate::diagnose::text::{per_cent, set_in_words};
 use crate::results::PlanResult;
 
 /// A plan that resolves a set with less is not worth a flight: the probability below which an effect is no
@@ -28,11 +28,12 @@ pub fn text(result: &PlanResult, colour: bool) -> String {
     put!(out, "{}\n", result.headline);
     let outlook = &result.outlook;
     for set in &outlook.sets {
-        put!(out, "{}", said(set));
+        let members = set.members.iter().map(|member| (&*member.effect, member.probability));
+        let (one_of, said) = set_in_words(members, set.nothing);
+        put!(out, "Open: {one_of} {said}.");
     }
-    let open = open(outlook);
     if result.aim == Aim::Effects {
-        put!(out, "Not excited so far: {}.", open.join(", "));
+        put!(out, "Not excited so far: {}.", names(outlook, |_| true));
     }
     put!(out, "{}", purpose(result));
     if is_hopeless(result) {
@@ -64,19 +65,13 @@ pub fn text(result: &PlanResult, colour: bool) -> String {
         put!(out, "\n{}", promised(set));
     }
     if result.aim == Aim::Effects {
-        let shown = outlook.effects.iter().filter(|effect| effect.is_seen_then && !effect.is_seen_now);
-        let shown: Vec<&str> = shown.map(|effect| &*effect.effect).collect();
-        let never: Vec<&str> = outlook
-            .effects
-            .iter()
-            .filter(|effect| !effect.is_seen_now && effect.is_planned && !effect.is_seen_then)
-            .map(|effect| &*effect.effect)
-            .collect();
+        let shown = names(outlook, |effect| effect.is_seen_then);
+        let never = names(outlook, |effect| !effect.is_seen_then);
         if !shown.is_empty() {
-            put!(out, "\nAt its largest possible size it would show {}.", shown.join(", "));
+            put!(out, "\nAt its largest possible size it would show {shown}.");
         }
         if !never.is_empty() {
-            put!(out, "It would still not show {}.", never.join(", "));
+            put!(out, "It would still not show {never}.");
         }
     }
     out
@@ -88,22 +83,11 @@ pub fn is_hopeless(result: &PlanResult) -> bool {
     result.aim == Aim::Sets && result.outlook.sets.iter().all(|set| set.resolved < HOPELESS)
 }
 
-/// Effects that no flight has excited yet and whose signals the plan has.
-fn open(outlook: &Outlook) -> Vec<&str> {
+/// Names of effects that no flight has excited yet and whose signals the plan has, of those that count.
+fn names(outlook: &Outlook, counts: impl Fn(&EffectOutlook) -> bool) -> String {
     let open = outlook.effects.iter().filter(|effect| !effect.is_seen_now && effect.is_planned);
-    open.map(|effect| &*effect.effect).collect()
-}
-
-/// A set as the diagnosis reports it.
-fn said(set: &SetOutlook) -> String {
-    let mut said: Vec<String> = set
-        .members
-        .iter()
-        .map(|member| format!("{} ({})", member.effect, per_cent(member.probability)))
-        .collect();
-    said.extend(set.nothing.map(|nothing| format!("or nothing ({})", per_cent(nothing))));
-    let one_of = if set.members.len() == 1 { "perhaps" } else { "one of" };
-    format!("Open: {one_of} {}.", said.join(", "))
+    let names: Vec<&str> = open.filter(|effect| counts(effect)).map(|effect| &*effect.effect).collect();
+    names.join(", ")
 }
 
 /// What the plan is for, and whether it is enough.
