@@ -2,8 +2,8 @@
 //!
 //! If there are sets of effects that the flights cannot tell apart, the plan is to resolve each of them with
 //! a probability of [`RESOLVED`]. Otherwise it is to show each effect that the flights have not excited, at
-//! its largest physically possible size, with the same probability; and where all are excited, to narrow the
-//! coefficients. Manoeuvres are added one after the other, each time the one that brings this nearest for its
+//! its largest physically possible size, with the same probability; and where all are excited, or none can be, to narrow
+//! the coefficients. Manoeuvres are added one after the other, each time the one that brings this nearest for its
 //! duration; then those that turn out not to be needed are removed. All plans cannot be tried: it is the
 //! shortest that this finds.
 
@@ -36,7 +36,7 @@ pub enum Aim {
     Sets,
     /// To show the effects that no flight has excited.
     Effects,
-    /// To make the coefficients more certain: nothing else is open.
+    /// To make the coefficients more certain: nothing else is open, or no manoeuvre on offer shows it.
     Coefficients,
 }
 
@@ -83,6 +83,15 @@ impl Aim {
         }
     }
 
+    /// How many sets are resolved, or effects shown.
+    fn achieved(self, outlook: &Outlook) -> usize {
+        match self {
+            Self::Sets => outlook.sets.iter().filter(|set| set.resolved >= RESOLVED).count(),
+            Self::Effects => open(outlook).filter(|effect| effect.detection_then >= RESOLVED).count(),
+            Self::Coefficients => 0,
+        }
+    }
+
     /// How near an outlook is to the aim: the sum of the quantiles of all probabilities that count; for the
     /// coefficients, the share by which they become more certain.
     fn nearness(self, outlook: &Outlook) -> f64 {
@@ -124,8 +133,25 @@ struct Step {
 /// plan that is simulated; if it breaks, the best plan so far is returned.
 #[must_use]
 pub fn shortest(planning: &Planning<'_>, progress: &mut dyn FnMut() -> ControlFlow<()>) -> Option<Shortest> {
-    let mut steps = steps(planning, &[], progress);
-    let aim = Aim::of(&steps.found.first()?.outlook);
+    let first = steps(planning, &[], progress);
+    let mut aim = Aim::of(&first.found.first()?.outlook);
+    let mut best = search(planning, aim, first, progress)?;
+    // None of these manoeuvres excites what is left: a sideslip, for example.
+    if aim == Aim::Effects && aim.achieved(&best.outlook) == 0 {
+        aim = Aim::Coefficients;
+        best = search(planning, aim, steps(planning, &[], progress), progress)?;
+    }
+    let plan = planning.plan(best.legs);
+    let flown = planning.flown(&plan).ok()?;
+    Some(Shortest { aim, plan, flown })
+}
+
+fn search(
+    planning: &Planning<'_>,
+    aim: Aim,
+    mut steps: Steps,
+    progress: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Option<Step> {
     let nearness = |step: &Step| aim.nearness(&step.outlook);
     let is_enough = |step: &Step| aim.is_reached(&step.outlook);
     // Nothing is known of a flight without a manoeuvre: the first is compared with the worst.
@@ -147,22 +173,22 @@ pub fn shortest(planning: &Planning<'_>, progress: &mut dyn FnMut() -> ControlFl
         steps = self::steps(planning, &legs, progress);
     }
     let mut best = best?;
-    // A manoeuvre that later ones made superfluous.
-    while is_enough(&best) {
+    // What later manoeuvres made superfluous, and what showed no further effect. Of a plan that does not
+    // resolve every set nothing is left out: all of it counts for the others.
+    while aim.achieved(&best.outlook) > 0 && (is_enough(&best) || aim == Aim::Effects) {
         let shorter = (0..best.legs.len()).filter_map(|at| {
             let shorter = step(planning, without(&best.legs, at));
             progress().is_continue().then_some(shorter)?
         });
+        let is_as_good = |step: &Step| aim.achieved(&step.outlook) >= aim.achieved(&best.outlook);
         let Some(found) =
-            shorter.filter(is_enough).min_by(|one, other| one.seconds.total_cmp(&other.seconds))
+            shorter.filter(is_as_good).min_by(|one, other| one.seconds.total_cmp(&other.seconds))
         else {
             break;
         };
         best = found;
     }
-    let plan = planning.plan(best.legs);
-    let flown = planning.flown(&plan).ok()?;
-    Some(Shortest { aim, plan, flown })
+    Some(best)
 }
 
 /// Plans that are one manoeuvre longer.
@@ -308,6 +334,8 @@ mod tests {
         assert_eq!((Aim::of(&unseen), Aim::of(&unseen).is_reached(&unseen)), (Aim::Effects, false));
         let shown = outlook(vec![effect(false, true, 0.9)], Vec::new());
         assert!(Aim::Effects.is_reached(&shown));
+        let partly = outlook(vec![effect(false, true, 0.95), effect(false, true, 0.2)], Vec::new());
+        assert_eq!((Aim::Effects.achieved(&partly), Aim::Effects.is_reached(&partly)), (1, false));
         let both = outlook(vec![effect(false, true, 0.0)], vec![set(0.95), set(0.85)]);
         assert_eq!((Aim::of(&both), Aim::of(&both).is_reached(&both)), (Aim::Sets, false));
         assert!(Aim::Sets.is_reached(&outlook(Vec::new(), vec![set(0.95), set(0.9)])));

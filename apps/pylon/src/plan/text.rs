@@ -32,8 +32,9 @@ pub fn text(result: &PlanResult, colour: bool) -> String {
         let (one_of, said) = set_in_words(members, set.nothing);
         put!(out, "Open: {one_of} {said}.");
     }
-    if result.aim == Aim::Effects {
-        put!(out, "Not excited so far: {}.", names(outlook, |_| true));
+    let unexcited = names(outlook, |_| true);
+    if result.aim != Aim::Sets && !unexcited.is_empty() {
+        put!(out, "Not excited so far: {unexcited}.");
     }
     put!(out, "{}", purpose(result));
     if is_hopeless(result) {
@@ -110,13 +111,18 @@ fn purpose(result: &PlanResult) -> String {
             per_cent(least)
         ),
         (Aim::Effects, true) => {
-            format!("The shortest plan found that would show them takes {length} min of manoeuvres.")
+            format!("The shortest plan found that would show this takes {length} min of manoeuvres.")
         }
         (Aim::Effects, false) => format!(
-            "No plan was found that would show all of them. The best one takes {length} min of manoeuvres."
+            "No plan was found that would show all of this. The best one takes {length} min of manoeuvres."
         ),
         (Aim::Coefficients, _) => format!(
-            "These flights leave nothing open. The manoeuvre that narrows the coefficients most for its length takes {length} min."
+            "{} The manoeuvre that narrows the coefficients most for its length takes {length} min.",
+            if names(&result.outlook, |_| true).is_empty() {
+                "These flights leave nothing open."
+            } else {
+                "No manoeuvre on offer would show that."
+            }
         ),
     }
 }
