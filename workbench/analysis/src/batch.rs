@@ -278,6 +278,7 @@ mod tests {
             chosen: false,
             time_constant_s: None,
             smoothing_s: None,
+            pure_delay_s: None,
             since: None,
             size_m: 0.0,
             envelope_m: [0.0; 2],

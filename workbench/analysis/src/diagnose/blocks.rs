@@ -9,6 +9,7 @@ use model::Model;
 
 use super::candidates::Candidate;
 use super::column_noise::ColumnNoise;
+use super::delay::DelayFilter;
 use super::epochs::Epochs;
 use super::follower::{Follower, Moment, Phase, Taken};
 use super::reference_path::ReferencePath;
@@ -16,7 +17,6 @@ use super::residuals::known_m;
 use super::series::{BySensor, Series};
 use super::signal_errors::read_ahead;
 use super::signals::{NAMES, SignalMeans, offered};
-use super::smoothed_climb::SmoothedClimb;
 use replay::Replay;
 
 /// Largest number of blocks of a flight, approximately; a longer flight has longer blocks.
@@ -45,7 +45,7 @@ struct Open {
 
 pub(super) struct Builder {
     path: ReferencePath,
-    climb: SmoothedClimb,
+    climb: DelayFilter,
     block_s: f64,
     /// The sensors on which each candidate acts: one, or all for the reference.
     acts_on: Vec<[bool; SENSORS]>,
@@ -81,7 +81,7 @@ impl Builder {
         });
         Self {
             block_s,
-            climb: SmoothedClimb::default(),
+            climb: DelayFilter::default(),
             acts_on: acts_on.collect(),
             late_s: candidates.iter().map(|candidate| candidate.signal.late_s).collect(),
             load_factor_column: candidates
@@ -135,8 +135,8 @@ impl Builder {
                 self.unreferenced += readings.iter().flatten().count() as u64;
                 continue;
             };
-            self.climb.take(input.time_us, reference.climb_mps);
-            let moment = Moment { time_us: input.time_us, reference, climb: self.climb, readings };
+            let climb = self.climb.take(input.time_us, reference.climb_mps);
+            let moment = Moment { time_us: input.time_us, reference, climb, readings };
             self.take_readings(&moment, model, &follower, candidates);
         }
         self.close_block();
@@ -254,13 +254,14 @@ impl Builder {
             counts.sort_unstable();
             counts.get(counts.len() / 2).map_or(1.0, |count| f64::from(*count))
         });
-        for (column, late_s) in self.columns.iter_mut().zip(&self.late_s).filter(|(_, late_s)| **late_s > 0.0)
+        for (column, late_s) in self.columns.iter_mut().zip(&self.late_s).filter(|(_, late_s)| **late_s != 0.0)
         {
             read_ahead(&self.series, column, *late_s);
         }
         self.series.columns = self.columns.into_iter().map(Arc::new).collect();
         let blocks = self.series.len();
         Epochs {
+            climb_noise_m2: self.path.climb_noise_m2() / (self.series.block_s / self.path.interval_s()).max(1.0),
             column_noise_m2: self.noise.iter().map(|noise| noise.of_mean(blocks)).collect(),
             series: self.series,
             available,

@@ -4,8 +4,8 @@ use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
 use kf_core::sensor::Sensor;
 use model::{Effect, Model};
 
-use super::signal_errors::{SignalError, errors};
-use super::smoothed_climb::SMOOTHINGS_S;
+use super::signal_errors::{SignalError, errors, receiver_delays_s};
+use super::delay::{DelayShape, SHAPES};
 use super::wanted_effect::Tried;
 
 /// Time constants that are tried, seconds: a factor of three apart. Between two of them a fitted exponential
@@ -17,8 +17,8 @@ const TIME_CONSTANTS_S: [f32; 6] = [3.0, 10.0, 30.0, 90.0, 270.0, 800.0];
 pub struct Candidate {
     /// The effect and the constants of its regressor.
     pub regressor: Regressor,
-    /// Time constant of the low pass of a lag's climb rate, seconds; 0 as in the catalogue.
-    pub smoothing_s: f32,
+    /// Shape of a delay.
+    pub delay: DelayShape,
     /// Assumed error of its signal.
     pub signal: SignalError,
 }
@@ -27,7 +27,7 @@ impl Candidate {
     /// A candidate in the catalogue's own shape.
     #[must_use]
     pub fn of(regressor: Regressor) -> Self {
-        Self { regressor, smoothing_s: 0.0, signal: SignalError::default() }
+        Self { regressor, delay: DelayShape::Slope, signal: SignalError::default() }
     }
 
     /// Whether its regressor is the catalogue's own, which is the one that is flown.
@@ -40,6 +40,17 @@ impl Candidate {
     #[must_use]
     pub const fn effect(&self) -> EffectId {
         self.regressor.id
+    }
+
+    /// The coefficients that agree with its own shape: a delay's shape states how large the delay is.
+    #[must_use]
+    pub fn consistent(&self) -> [f64; 2] {
+        match self.effect() {
+            EffectId::BaroLag => self.delay.delays_s(),
+            EffectId::GpsLatency if self.signal.late_s != 0.0 => receiver_delays_s(self.signal.late_s),
+            EffectId::GpsLatency => self.delay.delays_s(),
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
     }
 
     /// The sensor on which it acts; `None` for the reference, and so for all.
@@ -61,12 +72,12 @@ impl Candidate {
 /// latency. Delays are then tried only as in the catalogue.
 #[must_use]
 pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
-    let smoothings_s = if has_climb_rate { SMOOTHINGS_S.as_slice() } else { &SMOOTHINGS_S[..1] };
+    let shapes = if has_climb_rate { SHAPES.as_slice() } else { &SHAPES[..1] };
     let mut candidates = Vec::new();
     for id in model.catalogue() {
-        let mut add = |time_constant_s, since, smoothing_s| {
+        let mut add = |time_constant_s, since, delay| {
             let regressor = Regressor { id, time_constant_s, since };
-            candidates.push(Candidate { smoothing_s, ..Candidate::of(regressor) });
+            candidates.push(Candidate { delay, ..Candidate::of(regressor) });
         };
         if id.has_time_constant() {
             // A formula defines itself when its time begins.
@@ -74,15 +85,15 @@ pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
                 if id.formula().is_some() { &[Clock::Launch][..] } else { &[Clock::Launch, Clock::Start] };
             for since in clocks.iter().copied() {
                 for time_constant_s in TIME_CONSTANTS_S {
-                    add(time_constant_s, since, 0.0);
+                    add(time_constant_s, since, DelayShape::Slope);
                 }
             }
         } else if matches!(id, EffectId::BaroLag | EffectId::GpsLatency) {
-            for smoothing_s in smoothings_s {
-                add(0.0, Clock::Launch, *smoothing_s);
+            for shape in shapes {
+                add(0.0, Clock::Launch, *shape);
             }
         } else {
-            add(0.0, Clock::Launch, 0.0);
+            add(0.0, Clock::Launch, DelayShape::Slope);
         }
         if has_climb_rate {
             let own = Candidate::of(Regressor { id, time_constant_s: 0.0, since: Clock::Launch });

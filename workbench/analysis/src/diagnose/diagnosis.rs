@@ -190,6 +190,8 @@ pub struct CandidateFacts {
     /// Time constant of the low pass that fits a lag better than a shift of the slope does, seconds, if there
     /// is one.
     pub smoothing_s: Option<f64>,
+    /// The pure delay that fits a lag better than a shift of the slope does, seconds, if there is one.
+    pub pure_delay_s: Option<f64>,
     /// When the clock of a regressor with a time constant starts: `launch` or `start`.
     pub since: Option<Name>,
     /// How much of the residual the effect makes in free flight, rms, m.
@@ -368,6 +370,7 @@ mod tests {
             chosen: true,
             time_constant_s: None,
             smoothing_s: Some(4.0),
+            pure_delay_s: None,
             since: Some("launch".into()),
             size_m: 26.870_493_240_356_446,
             envelope_m: [-1.0, 1.5],

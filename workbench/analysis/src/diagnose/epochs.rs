@@ -15,6 +15,9 @@ pub struct Epochs {
     /// Variance of the noise in every candidate's block means, m^2 per squared unit of the coefficient: a
     /// regressor is made of measured signals.
     pub column_noise_m2: Vec<f64>,
+    /// Variance of the noise of a measured climb rate in a block's mean, m^2/s^2. The columns of delays are
+    /// made of it, interpolated between the fixes, so that `column_noise_m2` does not contain it.
+    pub climb_noise_m2: f64,
     /// Means of the signals in each block: those of [`super::signals::NAMES`], then the unknown columns.
     pub signals: Vec<Vec<f64>>,
     /// Names of the signals.
@@ -51,6 +54,7 @@ impl Epochs {
                 .iter()
                 .filter_map(|place| self.column_noise_m2.get(*place).copied())
                 .collect(),
+            climb_noise_m2: self.climb_noise_m2,
             signals: signals.clone(),
             signal_names: signal_names.clone(),
             glitches: glitches.clone(),

@@ -15,9 +15,9 @@ use kf_core::sensor::SENSORS;
 use model::Model;
 
 use super::candidates::Candidate;
+use super::delay::DelayedClimb;
 use super::formulas::Formulas;
 use super::reference_path::Reference;
-use super::smoothed_climb::SmoothedClimb;
 
 /// Follows the ticks as the mission does: settling, calibration, free flight.
 pub(super) struct Follower {
@@ -141,9 +141,7 @@ impl Follower {
                 let gained_m = || Some(moment.reference.smooth_m - self.altitude_base_m?);
                 self.climbed_m(moment.time_us).or_else(gained_m)
             }
-            EffectId::BaroLag | EffectId::GpsLatency => {
-                moment.climb.mps(candidate.smoothing_s).map(|mps| -mps)
-            }
+            EffectId::BaroLag | EffectId::GpsLatency => moment.climb.mps(candidate.delay).map(|mps| -mps),
             // The second integral of the vertical acceleration since launch: the altitude gained less the
             // part from the climb rate at launch. The receiver's altitude gives it without the attitude's
             // error.
@@ -265,7 +263,7 @@ impl Follower {
 pub(super) struct Moment {
     pub(super) time_us: u64,
     pub(super) reference: Reference,
-    pub(super) climb: SmoothedClimb,
+    pub(super) climb: DelayedClimb,
     pub(super) readings: [Option<f64>; SENSORS],
 }
 

@@ -46,6 +46,9 @@ pub struct LearningProblem {
     /// Variance of the coefficient beyond that of the noise, in its unit squared: errors of signals and
     /// shapes, time constants that fit as well, effects that may act too.
     pub beyond_noise: f64,
+    /// The part of it by which the coefficient may be larger, but not smaller: what the noise of its signals
+    /// may have hidden.
+    pub hidden: f64,
     /// The diagnosis' own estimate of the coefficient, in f64, and the held-out errors.
     pub facts: CandidateFacts,
     /// The evidence of the flights' own stretches about the coefficient.

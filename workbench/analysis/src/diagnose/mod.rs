@@ -28,6 +28,7 @@ mod blocks;
 mod candidates;
 mod coefficient_prior;
 mod column_noise;
+mod delay;
 mod diagnosis;
 mod dump;
 mod envelope;
@@ -72,7 +73,6 @@ mod signals;
 mod simplicity;
 #[cfg(test)]
 mod small_problems;
-mod smoothed_climb;
 mod study;
 mod suspects;
 mod unknown;

@@ -83,6 +83,7 @@ mod tests {
     use model::Model;
 
     use super::*;
+    use crate::diagnose::delay::DelayShape;
 
     /// A minute at 10 Hz, launched halfway.
     fn flight() -> flight_data::Flight {
@@ -114,7 +115,7 @@ mod tests {
         // Block means that were not kept are computed: a lag in a shape that is not the catalogue's.
         let mut other = kept.own_candidates();
         let lag = other.iter().position(|candidate| candidate.effect() == EffectId::BaroLag).unwrap();
-        other[lag].smoothing_s = 0.375;
+        other[lag].delay = DelayShape::LowPass(0.375);
         let (found, anew) = (kept.epochs(&other, &Inline), named().epochs(&other, &Inline));
         assert_eq!(format!("{found:?}"), format!("{anew:?}"));
     }

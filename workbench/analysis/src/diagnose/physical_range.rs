@@ -46,15 +46,27 @@ pub struct Bounds {
     pub range: [f64; 2],
     /// The uncertain share.
     pub scale: f64,
+    /// What agrees with the column's own shape.
+    pub consistent: [f64; 2],
 }
 
 /// Whether every coefficient of a fit may come from its range, given its reported sigma.
 #[must_use]
 pub fn is_possible(bounds: &[Bounds], solution: &Solution) -> bool {
+    all_within(bounds, solution, |bounds| bounds.range)
+}
+
+/// Whether every coefficient of a fit may agree with its column's shape, given its reported sigma.
+#[must_use]
+pub fn is_consistent(bounds: &[Bounds], solution: &Solution) -> bool {
+    all_within(bounds, solution, |bounds| bounds.consistent)
+}
+
+fn all_within(bounds: &[Bounds], solution: &Solution, limits: impl Fn(&Bounds) -> [f64; 2]) -> bool {
     let n = solution.coefficients.len();
     solution.coefficients.iter().zip(bounds).enumerate().all(|(k, (coefficient, bounds))| {
-        let Bounds { range: [least, most], scale } = *bounds;
-        let rough = scale * coefficient;
+        let [least, most] = limits(bounds);
+        let rough = bounds.scale * coefficient;
         let slack = SIGMAS * (solution.covariance[k * n + k] + rough * rough).sqrt();
         (least - slack..=most + slack).contains(coefficient)
     })
@@ -72,7 +84,8 @@ mod tests {
     use super::*;
 
     fn may_be(effect: EffectId, has_climb_rate: bool, coefficient: f64, sigma: f64) -> bool {
-        let bounds = Bounds { range: range(effect, has_climb_rate), scale: 0.0 };
+        let range = range(effect, has_climb_rate);
+        let bounds = Bounds { range, scale: 0.0, consistent: [f64::NEG_INFINITY, f64::INFINITY] };
         let solution = Solution {
             coefficients: vec![coefficient],
             covariance: vec![sigma * sigma],

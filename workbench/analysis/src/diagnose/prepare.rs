@@ -4,6 +4,7 @@ use executor::Executor;
 use kf_core::sensor::Sensor;
 use model::Model;
 
+use kf_core::effect::EffectId;
 use super::candidates::{Candidate, candidates, unsure};
 use super::epochs::Epochs;
 use super::named_replay::NamedReplay;
@@ -106,13 +107,27 @@ impl Prepared {
             }
         }
         let effects = || self.candidates.iter().map(Candidate::effect);
+        let climb_noise_m2 = self.epochs.iter().map(|epochs| epochs.climb_noise_m2).fold(0.0, f64::max);
+        let block_s = self.series.iter().map(|series| series.block_s).fold(0.0, f64::max);
+        let attenuating_m2 = self.candidates.iter().zip(&noise_m2).map(|(candidate, noise_m2)| {
+            let is_delay = matches!(candidate.effect(), EffectId::BaroLag | EffectId::GpsLatency);
+            if is_delay && self.has_climb_rate {
+                noise_m2.max(climb_noise_m2 * candidate.delay.passes(block_s))
+            } else {
+                *noise_m2
+            }
+        });
         let regressors = Regressors {
+            attenuating_m2: attenuating_m2.collect(),
             noise_m2,
             shape: effects().map(|effect| shape(&self.epochs, effect)).collect(),
-            bounds: effects()
-                .map(|effect| Bounds {
-                    range: range(effect, self.has_climb_rate),
-                    scale: scale(&self.epochs, effect),
+            bounds: self
+                .candidates
+                .iter()
+                .map(|candidate| Bounds {
+                    range: range(candidate.effect(), self.has_climb_rate),
+                    scale: scale(&self.epochs, candidate.effect()),
+                    consistent: candidate.consistent(),
                 })
                 .collect(),
         };

@@ -16,6 +16,12 @@ pub struct Fix {
 /// Two fixes have a gap between them if they are further apart than this many medians of their interval.
 const GAP_INTERVALS: f64 = 4.0;
 
+/// With fewer bends than this, the climb rate's noise is not estimated.
+const FEW_BENDS: usize = 20;
+
+/// Median of the square of a standard normal number.
+const MEDIAN_OF_SQUARES: f64 = 0.4549;
+
 /// The reference's altitude as a function of time: the cubic through two fixes and their climb rates
 /// (Hermite's) or, where there are none, through the neighbours' slopes (Catmull and Rom's).
 #[derive(Clone, Debug, Default)]
@@ -65,6 +71,26 @@ impl ReferencePath {
     #[must_use]
     pub const fn interval_s(&self) -> f64 {
         self.interval_s
+    }
+
+    /// Variance of the noise of a fix's measured climb rate, m^2/s^2, by the second differences of three fixes
+    /// in a row (as of [`super::column_noise`]); 0 where there are few. The median of their squares counts, as
+    /// manoeuvres bend the climb rate too.
+    pub fn climb_noise_m2(&self) -> f64 {
+        let bends = self.fixes.windows(3).filter_map(|fixes| {
+            let [before, middle, after] = fixes else { return None };
+            let (left_s, right_s) =
+                (seconds(before.time_us, middle.time_us), seconds(middle.time_us, after.time_us));
+            let is_even = (left_s - right_s).abs() < 0.2 * self.interval_s && left_s < 1.5 * self.interval_s;
+            let (first, second, third) = (before.climb_mps?, middle.climb_mps?, after.climb_mps?);
+            is_even.then(|| (first - 2.0 * second + third).powi(2))
+        });
+        let mut squares: Vec<f64> = bends.collect();
+        if squares.len() < FEW_BENDS {
+            return 0.0;
+        }
+        squares.sort_by(f64::total_cmp);
+        squares[squares.len() / 2] / MEDIAN_OF_SQUARES / 6.0
     }
 
     /// The fixes.

@@ -209,6 +209,7 @@ impl Place<'_> {
             let set = self.with(&[column]);
             if let Some(solution) = self.information.solve(&self.suspects.positions(&set))
                 && self.suspects.is_possible(&set, &solution)
+                && self.suspects.is_consistent(&set, &solution)
                 && let Some(rest) = self.suspects.rest_but_noise(self.information, self.weights, &set)
             {
                 worse.push((rest - self.best_rest, column));
@@ -275,6 +276,7 @@ impl Place<'_> {
                 if let Some(solution) = self.information.solve(&self.suspects.positions(&set))
                     && solution.rest < self.best_rest - CLEARLY_BETTER
                     && self.suspects.is_possible(&set, &solution)
+                    && self.suspects.is_consistent(&set, &solution)
                 {
                     better.push((solution.rest, [*a, *b], solution));
                 }

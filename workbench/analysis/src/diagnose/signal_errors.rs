@@ -28,8 +28,19 @@ const VANE_OFFSET_RAD: [f32; 3] = [0.0, 0.01, -0.01];
 /// Delay of an airspeed by its tubing and filter.
 const AIRSPEED_LATE_S: [f32; 3] = [0.0, 0.3, 0.6];
 /// A receiver's altitude that is late by d equals the true one less d times the mean climb rate of the last d
-/// seconds: an equally late velocity, read d/2 ahead. A receiver is about three seconds late at most.
-const RECEIVER_LATE_S: [f32; 4] = [0.0, 0.5, 1.0, 1.5];
+/// seconds: an equally late velocity, read d/2 ahead. A receiver is about three seconds late at most. One that
+/// extrapolates may be early, by a second at most: its velocity is read behind.
+const RECEIVER_LATE_S: [f32; 9] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, -0.25, -0.5];
+/// How much a receiver's delay may differ from twice what its velocity is read ahead by, seconds: the step of
+/// these delays, beyond which the next one is better.
+const RECEIVER_STEP_S: f64 = 0.5;
+
+/// The delays, seconds, that agree with a velocity that is read ahead by `late_s`.
+#[must_use]
+pub fn receiver_delays_s(late_s: f32) -> [f64; 2] {
+    let delay_s = 2.0 * f64::from(late_s);
+    [delay_s - RECEIVER_STEP_S, delay_s + RECEIVER_STEP_S]
+}
 
 /// The signal errors that are tried for an effect, no error first.
 #[must_use]
@@ -48,8 +59,9 @@ pub fn errors(effect: EffectId) -> Vec<SignalError> {
     }
 }
 
-/// Reads a column of block means ahead by `late_s`: between the means of the blocks around that time. Where
-/// these are in another phase or after a gap, the last two connected blocks are extrapolated.
+/// Reads a column of block means ahead by `late_s` (behind, if negative): between the means of the blocks
+/// around that time. Where these are in another phase or beyond a gap, the last two connected blocks are
+/// extrapolated.
 pub(super) fn read_ahead(series: &Series, column: &mut [BySensor], late_s: f32) {
     let share = f64::from(late_s) / series.block_s;
     let seen = |block: usize, sensor: usize| series.readings.get(block).is_some_and(|of| of[sensor] > 0);
@@ -63,9 +75,14 @@ pub(super) fn read_ahead(series: &Series, column: &mut [BySensor], late_s: f32) 
     let old = column.to_vec();
     for (block, values) in column.iter_mut().enumerate() {
         for (sensor, value) in values.iter_mut().enumerate().filter(|(sensor, _)| seen(block, *sensor)) {
-            let reachable = (block..).take_while(|from| joins(*from, sensor)).take(1 + share as usize).last();
-            let before = || block.checked_sub(1).filter(|last| joins(*last, sensor));
-            if let Some(from) = reachable.or_else(before) {
+            let steps = share.abs().ceil() as usize;
+            let after = || (block..).take_while(|from| joins(*from, sensor)).take(steps).last();
+            let before = || (0..block).rev().take_while(|from| joins(*from, sensor)).take(steps).last();
+            let first_before = || block.checked_sub(1).filter(|from| joins(*from, sensor));
+            let first_after = || Some(block).filter(|from| joins(*from, sensor));
+            let from =
+                if share > 0.0 { after().or_else(first_before) } else { before().or_else(first_after) };
+            if let Some(from) = from {
                 let beyond = share + block as f64 - from as f64;
                 *value = old[from][sensor] + beyond * (old[from + 1][sensor] - old[from][sensor]);
             }

@@ -3,7 +3,7 @@
 use super::candidates::Candidate;
 use super::information::{Information, Solution};
 use super::noise::Noise;
-use super::physical_range::{Bounds, is_possible};
+use super::physical_range::{Bounds, is_consistent, is_possible};
 use super::problem::Problem;
 use super::series::BySensor;
 
@@ -17,6 +17,7 @@ const EVIDENCE: f64 = 16.0;
 pub struct Suspects<'a> {
     candidates: &'a [Candidate],
     noise_m2: Vec<f64>,
+    attenuating_m2: Vec<f64>,
     shape: Vec<f64>,
     bounds: Vec<Bounds>,
     usable: Vec<usize>,
@@ -28,6 +29,8 @@ pub struct Suspects<'a> {
 pub struct Regressors {
     /// Variance of the noise in each one's block means, m^2 per squared unit of its coefficient.
     pub noise_m2: Vec<f64>,
+    /// The same with the noise of a measured climb rate in the columns of delays.
+    pub attenuating_m2: Vec<f64>,
     /// Relative error (squares) of each one's shape.
     pub shape: Vec<f64>,
     /// Physical ranges of the coefficients.
@@ -41,8 +44,8 @@ impl<'a> Suspects<'a> {
         let mut effects: Vec<_> = usable.iter().map(|column| candidates[*column].effect()).collect();
         effects.dedup();
         let penalty = 2.0 * libm::log(effects.len().max(1) as f64) + EVIDENCE;
-        let Regressors { noise_m2, shape, bounds } = regressors;
-        Self { candidates, noise_m2, shape, bounds, usable, penalty }
+        let Regressors { noise_m2, attenuating_m2, shape, bounds } = regressors;
+        Self { candidates, noise_m2, attenuating_m2, shape, bounds, usable, penalty }
     }
 
     /// A column's candidate.
@@ -88,6 +91,13 @@ impl<'a> Suspects<'a> {
         is_possible(&bounds, solution)
     }
 
+    /// Whether every coefficient of a fit of these columns agrees with its column's shape.
+    #[must_use]
+    pub fn is_consistent(&self, set: &[usize], solution: &Solution) -> bool {
+        let bounds: Vec<Bounds> = set.iter().map(|column| self.bounds[*column]).collect();
+        is_consistent(&bounds, solution)
+    }
+
     /// The range of a column's coefficient.
     #[must_use]
     pub fn range(&self, column: usize) -> [f64; 2] {
@@ -122,6 +132,17 @@ impl<'a> Suspects<'a> {
     #[must_use]
     pub fn column_noise_m2(&self, column: usize) -> f64 {
         self.noise_m2.get(column).copied().unwrap_or(0.0)
+    }
+
+    /// The share of a column's squares (of which `covariance` is the inverse, beside the other columns) that is
+    /// the noise of its signals. The coefficient is too small by it.
+    #[must_use]
+    pub fn attenuation(&self, column: usize, covariance: f64, weights: &BySensor) -> f64 {
+        let weight = match self.candidates[column].sensor() {
+            Some(sensor) => weights[sensor.index()],
+            None => weights.iter().sum(),
+        };
+        self.attenuating_m2.get(column).copied().unwrap_or(0.0) * weight * covariance
     }
 
     /// The sum of squares that a set leaves, less what the noise in its regressors leaves if the set is

@@ -71,28 +71,29 @@ impl WantedEffect {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::delay::DelayShape;
 
     /// Candidates of a lag in two shapes, of a drift with two clocks and two time constants, and of a scale.
     fn candidates() -> Vec<Candidate> {
-        let of = |id, time_constant_s, since, smoothing_s| Candidate {
-            smoothing_s,
+        let of = |id, time_constant_s, since, delay| Candidate {
+            delay,
             ..Candidate::of(Regressor { id, time_constant_s, since })
         };
         vec![
-            of(EffectId::BaroLag, 0.0, Clock::Launch, 0.0),
-            of(EffectId::BaroLag, 0.0, Clock::Launch, 2.0),
-            of(EffectId::BaroWarmUp, 60.0, Clock::Launch, 0.0),
-            of(EffectId::BaroWarmUp, 200.0, Clock::Launch, 0.0),
-            of(EffectId::BaroWarmUp, 60.0, Clock::Start, 0.0),
-            of(EffectId::BaroScale, 0.0, Clock::Launch, 0.0),
+            of(EffectId::BaroLag, 0.0, Clock::Launch, DelayShape::Slope),
+            of(EffectId::BaroLag, 0.0, Clock::Launch, DelayShape::LowPass(2.0)),
+            of(EffectId::BaroWarmUp, 60.0, Clock::Launch, DelayShape::Slope),
+            of(EffectId::BaroWarmUp, 200.0, Clock::Launch, DelayShape::Slope),
+            of(EffectId::BaroWarmUp, 60.0, Clock::Start, DelayShape::Slope),
+            of(EffectId::BaroScale, 0.0, Clock::Launch, DelayShape::Slope),
         ]
     }
 
-    fn narrowed(effect: EffectId, since: Option<Clock>, times_s: &[f32]) -> Vec<(EffectId, f32, Clock, f32)> {
+    fn narrowed(effect: EffectId, since: Option<Clock>, times_s: &[f32]) -> Vec<(EffectId, f32, Clock, DelayShape)> {
         let mut candidates = candidates();
         WantedEffect { effect, time_constant_s: None, since }.narrow(&mut candidates, times_s);
         let facts =
-            |c: Candidate| (c.effect(), c.regressor.time_constant_s, c.regressor.since, c.smoothing_s);
+            |c: Candidate| (c.effect(), c.regressor.time_constant_s, c.regressor.since, c.delay);
         candidates.into_iter().map(facts).collect()
     }
 
@@ -102,7 +103,7 @@ mod tests {
     fn only_what_is_wanted_of_the_effect_is_kept() {
         let lag = narrowed(EffectId::BaroLag, None, &[]);
         assert_eq!(lag.len(), 5);
-        assert!(lag.iter().all(|(.., smoothing_s)| *smoothing_s == 0.0));
+        assert!(lag.iter().all(|(.., delay)| *delay == DelayShape::Slope));
         let warm_up = narrowed(EffectId::BaroWarmUp, Some(Clock::Start), &[]);
         assert_eq!(warm_up.iter().filter(|(effect, ..)| *effect == EffectId::BaroWarmUp).count(), 1);
         assert_eq!(warm_up.iter().filter(|(effect, ..)| *effect == EffectId::BaroLag).count(), 2);

@@ -245,7 +245,8 @@ pub fn add_remembering(
     let text = with_revision(&text, revision, &effect, request.date, replaced_coefficient, &errors)?;
     // The new text must be a valid model, and this one.
     let warnings = Model::parse(&text)?.warnings();
-    let concerns = concerns(&diagnosis, &effect, judged_on, judged_m, &verdict);
+    let concerns =
+        concerns(&diagnosis, &effect, learned.sigma_to_zero, judged_on, judged_m, &verdict);
     let remarks = doubts(&diagnosis, id).into_iter().chain(undecided(judged_on, &verdict)).chain(not_flown);
     let has_time = id.has_time_constant();
     Ok(Addition {
@@ -275,7 +276,7 @@ pub fn add_remembering(
 }
 
 /// A number rounded to a hundredth of the first digit of its sigma.
-fn rounded(value: f64, sigma: f64) -> f32 {
+pub(super) fn rounded(value: f64, sigma: f64) -> f32 {
     let quantum = libm::pow(10.0, libm::log10(sigma).floor() - 2.0);
     let digits = -libm::log10(quantum).round();
     let rounded = if sigma > 0.0 && (0.0..=15.0).contains(&digits) {

@@ -26,6 +26,7 @@ pub enum JudgedOn {
 pub(super) fn concerns(
     diagnosis: &Diagnosis,
     effect: &Effect,
+    sigma_to_zero: f64,
     judged_on: JudgedOn,
     judged_m: [Option<f64>; 2],
     verdict: &HeldOutVerdict,
@@ -33,11 +34,12 @@ pub(super) fn concerns(
     let mut concerns = Vec::new();
     let term = &effect.term;
     let name = term.id().name();
-    let sigmas = f64::from(term.coefficient.abs()) / f64::from(term.sigma);
+    let sigmas = f64::from(term.coefficient.abs()) / sigma_to_zero;
     if sigmas < SIGNIFICANT_SIGMAS || sigmas.is_nan() {
         concerns.push(format!(
             "these flights can't identify it: the coefficient {} is within {SIGNIFICANT_SIGMAS} sigma ({}) of zero",
-            term.coefficient, term.sigma
+            term.coefficient,
+            super::addition::rounded(sigma_to_zero, sigma_to_zero)
         ));
     }
     let mut sets = diagnosis.sensors.values().flat_map(SensorDiagnosis::sets);

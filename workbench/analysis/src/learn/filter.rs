@@ -37,6 +37,8 @@ pub struct Learned {
     pub filter_sigma: f64,
     /// One sigma of it, including its spread over the parts of the flights and its signals' scale errors.
     pub sigma: f64,
+    /// The same without what the noise of its signals may have hidden: how far it is from zero.
+    pub sigma_to_zero: f64,
 }
 
 /// Why a coefficient was not learned.
@@ -81,10 +83,12 @@ fn sized<const STATES: usize>(problem: &LearningProblem, terms: usize) -> Result
     let unit = unit(term);
     let coefficient = f64::from(filter.tail()[COEFFICIENTS]) * unit;
     let variance = f64::from(filter.variance(COEFFICIENTS)) * unit * unit;
+    let squares = variance * problem.inflation + problem.beyond_noise;
     Ok(Learned {
         coefficient,
         filter_sigma: variance.sqrt(),
-        sigma: (variance * problem.inflation + problem.beyond_noise).sqrt(),
+        sigma: squares.sqrt(),
+        sigma_to_zero: (squares - problem.hidden).sqrt(),
     })
 }
 

@@ -210,6 +210,7 @@ mod tests {
             chosen,
             time_constant_s: None,
             smoothing_s: None,
+            pure_delay_s: None,
             since: None,
             size_m: 3.0,
             envelope_m: [-10.0, 10.0],

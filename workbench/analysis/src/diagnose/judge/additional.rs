@@ -38,6 +38,10 @@ impl Judge<'_> {
             }
             let set = with(chosen, column);
             let solution = information.solve(&self.suspects.positions(&set));
+            // A shape that states another delay is no delay of its own.
+            if solution.as_ref().is_some_and(|solution| !self.suspects.is_consistent(&set, solution)) {
+                continue;
+            }
             let possible = solution.filter(|solution| self.suspects.is_possible(&set, solution));
             let rest = possible.as_ref().map_or(f64::INFINITY, |solution| solution.rest);
             let additional = possible.map(|solution| Additional { column, share: 1.0, set, solution });

@@ -4,6 +4,7 @@ use kf_core::effect::EffectId;
 use kf_core::sensor::{SENSORS, Sensor};
 
 use super::{Findings, Judge};
+use crate::diagnose::delay::DelayShape;
 use crate::diagnose::diagnosis::{CandidateFacts, NoiseFacts, SensorWander};
 use crate::diagnose::held_out::{self, HeldOut};
 use crate::diagnose::roughness::unsteadiness;
@@ -128,7 +129,14 @@ impl Judge<'_> {
             rms_after_m: rms(held_out(with)),
             chosen: at.is_some(),
             time_constant_s: has_time.then(|| f64::from(candidate.regressor.time_constant_s)),
-            smoothing_s: (candidate.smoothing_s > 0.0).then(|| f64::from(candidate.smoothing_s)),
+            smoothing_s: match candidate.delay {
+                DelayShape::LowPass(time_s) => Some(f64::from(time_s)),
+                DelayShape::Slope | DelayShape::Pure(_) => None,
+            },
+            pure_delay_s: match candidate.delay {
+                DelayShape::Pure(delay_s) => Some(f64::from(delay_s)),
+                DelayShape::Slope | DelayShape::LowPass(_) => None,
+            },
             since: has_time.then(|| candidate.regressor.since.name().into()),
             size_m: coefficient.abs() * spread_m,
             envelope_m,

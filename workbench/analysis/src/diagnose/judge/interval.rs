@@ -33,13 +33,20 @@ pub(in crate::diagnose) struct BeyondNoise {
     /// What is another error in every part of every flight, so that further flights reduce it as they reduce
     /// the noise.
     pub(in crate::diagnose) passing: f64,
+    /// What the noise of its signals may have hidden of it. The coefficient is larger by it, never smaller, so
+    /// this is no reason to doubt that it differs from zero. A flight that shows more reduces it.
+    pub(in crate::diagnose) hidden: f64,
 }
 
 impl BeyondNoise {
     pub(in crate::diagnose) fn sum(self) -> f64 {
-        self.lasting + self.passing
+        self.lasting + self.passing + self.hidden
     }
 }
+
+/// A column of which more than half were noise would hardly have been chosen; the estimate of the noise is not
+/// trusted beyond that.
+const MOST_NOISE: f64 = 0.5;
 
 /// A column beside the chosen columns of other effects.
 struct Own<'a> {
@@ -75,7 +82,15 @@ impl Judge<'_> {
         } else {
             0.0
         };
-        BeyondNoise { lasting, passing }
+        BeyondNoise { lasting, passing, hidden: self.of_signal_noise(findings, &own) }
+    }
+
+    /// The noise of the column's own signals, by which the coefficient is too small: in level flight, an
+    /// airspeed's or a climb rate's noise may be as large as its changes.
+    fn of_signal_noise(&self, findings: &Findings, own: &Own<'_>) -> f64 {
+        let covariance = own.fit.covariance.last().copied().unwrap_or(0.0);
+        let noise = self.suspects.attenuation(own.column, covariance, &findings.white).min(MOST_NOISE);
+        (own.coefficient() * noise / (1.0 - noise)).powi(2)
     }
 
     /// Errors of the shapes, and a constant error of the forward acceleration. Columns that cannot be told
@@ -103,7 +118,8 @@ impl Judge<'_> {
                 }
                 let set = self.columns_beside(findings, column);
                 let fit = findings.information.solve(&self.suspects.positions(&set))?;
-                let is_possible = self.suspects.is_possible(&set, &fit);
+                let is_possible =
+                    self.suspects.is_possible(&set, &fit) && self.suspects.is_consistent(&set, &fit);
                 is_possible.then_some((column, *fit.coefficients.last()?, fit.rest))
             })
             .collect();

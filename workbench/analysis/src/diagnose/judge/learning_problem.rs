@@ -71,7 +71,9 @@ impl Judge<'_> {
         let rests = own.iter().filter_map(|column| {
             let columns = with(others, *column);
             let solution = information.solve(&self.suspects.positions(&columns))?;
-            self.suspects.is_possible(&columns, &solution).then_some((*column, solution.rest))
+            let is_possible = self.suspects.is_possible(&columns, &solution)
+                && self.suspects.is_consistent(&columns, &solution);
+            is_possible.then_some((*column, solution.rest))
         });
         rests.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(column, _)| column)
     }
@@ -99,13 +101,15 @@ impl Judge<'_> {
         let folds = evidence::of_folds(self.problem, &fitted);
         let held_out = self.held.map(|held| evidence::of_flights(held, &fitted));
         let free = std::iter::once(column).chain(others.iter().copied()).map(|column| term(column, None));
+        let beyond_noise = self.beyond_noise(findings, column);
         Some(LearningProblem {
             flights: self.problem.flights.to_vec(),
             noise,
             terms: free.chain(known).collect(),
             wind: wind.try_into().ok(),
             inflation,
-            beyond_noise: self.beyond_noise(findings, column).sum(),
+            beyond_noise: beyond_noise.sum(),
+            hidden: beyond_noise.hidden,
             facts,
             folds,
             held_out,
@@ -143,6 +147,7 @@ impl Judge<'_> {
         let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         Findings {
+            white: self.problem.weight_of_white(&explanation.fit.noise),
             explanation,
             information,
             rivals: Vec::new(),

@@ -26,6 +26,7 @@ use super::repeatability::{Repeatability, repeatability};
 use super::rivals::{Rivals, rivals};
 use super::roughness::lacks_airspeed;
 use super::search::{Explanation, Search};
+use super::series::BySensor;
 use super::simplicity::simpler;
 use super::suspects::Suspects;
 use crate::progress::{Cancelled, Progress, step};
@@ -96,6 +97,8 @@ impl Set {
 pub(super) struct Findings {
     pub(super) explanation: Explanation,
     pub(super) information: Information,
+    /// What a square metre of white noise in a sensor's block means adds to the squares.
+    pub(super) white: BySensor,
     pub(super) rivals: Vec<Rivals>,
     /// What may act on sensors for which nothing was chosen, where the climb rate is measured.
     pub(super) weak: Vec<Rivals>,
@@ -169,8 +172,16 @@ impl Judge<'_> {
             rivals
         };
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
-        let mut findings =
-            Findings { explanation, information, rivals, weak: Vec::new(), repeat, inflation, posterior };
+        let mut findings = Findings {
+            white: self.problem.weight_of_white(&explanation.fit.noise),
+            explanation,
+            information,
+            rivals,
+            weak: Vec::new(),
+            repeat,
+            inflation,
+            posterior,
+        };
         let mut sensors = self.sensors(&findings, progress)?;
         // Where something unknown acts, the fitted noise is wrong, and weak effects may only imitate it.
         if sensors.iter().all(|(_, sensor, _)| sensor.verdict != Verdict::UnknownEffect) {

@@ -104,7 +104,7 @@ impl Small {
         self.series.columns.push(Arc::new(on_baro((0..self.series.len()).map(of))));
         let regressor = Regressor { id, time_constant_s: 0.0, since: Clock::Launch };
         self.candidates.push(Candidate::of(regressor));
-        self.bounds.push(Bounds { range, scale: 0.0 });
+        self.bounds.push(Bounds { range, scale: 0.0, consistent: [f64::NEG_INFINITY, f64::INFINITY] });
         self
     }
 
@@ -126,7 +126,7 @@ impl Small {
     pub(super) fn suspects(&self) -> Suspects<'_> {
         let count = self.candidates.len();
         let regressors =
-            Regressors { noise_m2: vec![0.0; count], shape: vec![0.01; count], bounds: self.bounds.clone() };
+            Regressors { noise_m2: vec![0.0; count], attenuating_m2: vec![0.0; count], shape: vec![0.01; count], bounds: self.bounds.clone() };
         Suspects::new(&self.candidates, regressors, (0..count).collect())
     }
 
@@ -141,6 +141,7 @@ impl Small {
             signal_names: NAMES.iter().map(ToString::to_string).collect(),
             available: vec![true; self.candidates.len()],
             column_noise_m2: vec![0.0; self.candidates.len()],
+            climb_noise_m2: 0.0,
             series: self.series.clone(),
             glitches: Vec::new(),
             steps: Vec::new(),
