@@ -179,6 +179,7 @@ impl Posterior {
             acts: Some(acts),
             odds_of_nothing,
             is_stand_in: false,
+            is_part_of_lift: false,
             is_weak: false,
         }
     }

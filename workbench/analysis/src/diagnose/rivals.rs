@@ -47,6 +47,8 @@ pub struct Rivals {
     /// Whether the chosen effect is larger than physically possible, and so stands in for another one
     /// ([`stands_in`]).
     pub is_stand_in: bool,
+    /// Whether a dynamic pressure may be a part of an angle of attack (`judge/lift.rs`).
+    pub is_part_of_lift: bool,
     /// Whether the evidence was too little for the search to choose the effect (`judge/weak.rs`). It is not
     /// identified then, however improbable the others are.
     pub is_weak: bool,
@@ -158,6 +160,7 @@ impl Place<'_> {
             acts: None,
             odds_of_nothing: 0.0,
             is_stand_in: self.is_stand_in,
+            is_part_of_lift: false,
             is_weak: false,
         };
         let share = self.share_of_time_constants();

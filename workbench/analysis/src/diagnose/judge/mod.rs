@@ -5,6 +5,7 @@ mod advise;
 mod facts;
 pub(super) mod interval;
 mod learning_problem;
+mod lift;
 pub(super) mod probable;
 mod pruning;
 mod sensor;
@@ -38,14 +39,16 @@ const UNEVEN: f64 = 5.0;
 /// Effects that look alike by the laws of flight, so that one replaces the other when the other's signal was
 /// not recorded. Lift makes the load factor the product of the angle of attack and the dynamic pressure;
 /// thrust and the angle of attack follow the airspeed; a sensor's temperature follows its warming up, and
-/// slowly the time; a steady vibration is a bias.
-const STAND_INS: [(EffectId, EffectId); 6] = [
+/// slowly the time; a steady vibration is a bias. A dynamic pressure may be a part of an angle of attack only
+/// beside its other part (`lift.rs`).
+const STAND_INS: [(EffectId, EffectId); 7] = [
     (EffectId::BaroAngleOfAttack, EffectId::BaroDynamicPressure),
     (EffectId::BaroPropwash, EffectId::BaroDynamicPressure),
     (EffectId::BaroAcceleration, EffectId::BaroAngleOfAttack),
     (EffectId::BaroWarmUp, EffectId::BaroTemperature),
     (EffectId::BaroDrift, EffectId::BaroTemperature),
     (EffectId::ImuAccelBias, EffectId::ImuVibration),
+    (EffectId::BaroDynamicPressure, EffectId::BaroAngleOfAttack),
 ];
 
 /// Whether a set is a load factor and an angle of attack alone. No flight separates them where the load
@@ -169,6 +172,7 @@ impl Judge<'_> {
         } else {
             let mut rivals = rivals(search, self.suspects, self.problem, &explanation, &inflation);
             self.merge_cancelling(&explanation, &mut rivals);
+            self.merge_lift(&explanation, &mut rivals);
             rivals
         };
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
@@ -275,6 +279,9 @@ impl Judge<'_> {
             // set that a flight could resolve.
             if rivals.acts.is_some() && hidden == EffectId::BaroTemperature {
                 return false;
+            }
+            if seen == EffectId::BaroDynamicPressure {
+                return rivals.is_part_of_lift;
             }
             // The accelerometer is prompt and a vane is not. A better fit of the load factor than of the
             // angle of attack is no evidence of the cause.

@@ -37,6 +37,14 @@ struct Places {
 impl Places {
     fn add(&mut self, set: &Set) {
         let effects = set.effects.iter();
+        // Two places that may be the same effects are one set.
+        let names: Vec<&str> = effects.clone().map(|(effect, _)| effect.name()).collect();
+        let is_same = |(other, _): &(Vec<Name>, Vec<f64>)| {
+            other.len() == names.len() && names.iter().all(|name| other.iter().any(|own| **own == **name))
+        };
+        if set.effects.len() > 1 && self.sets.iter().any(is_same) {
+            return;
+        }
         self.sets.push(effects.map(|(effect, odds)| (Name::from(effect.name()), *odds)).unzip());
         self.nothing.push(set.nothing);
     }

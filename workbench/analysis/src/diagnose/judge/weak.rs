@@ -157,6 +157,7 @@ fn place(mut effects: Vec<Weak>) -> Option<Rivals> {
         acts: None,
         odds_of_nothing: total / odds,
         is_stand_in: false,
+        is_part_of_lift: false,
         is_weak: true,
     })
 }
