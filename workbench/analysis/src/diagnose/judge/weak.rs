@@ -19,6 +19,11 @@ use crate::diagnose::shape_error;
 use crate::diagnose::weigher::POWER;
 use crate::progress::{Cancelled, Progress, step};
 
+/// Factor of the odds of an effect that the search did not choose. With it and the whole likelihood, of what
+/// is reported with some probability that share acts; with one and the power of `weigher.rs`, more acted of
+/// what was reported, and less of what was not (docs/blind-trials.md, "How probable weak effects are").
+const PRIOR: f64 = 0.4;
+
 /// An effect in addition to the chosen ones.
 struct Weak {
     column: usize,
@@ -134,8 +139,8 @@ impl Judge<'_> {
         )?;
         let power = 1.0 / (inflation.max(1.0 / POWER) + of_shapes);
         let log_weight = 0.5 * power * gain;
-        let odds = log_weight + price(self.candidates[column].effect(), &solution, at) + libm::log(share);
-        Some(Weak { column, odds: libm::exp(odds), log_weight, gain })
+        let price = price(self.candidates[column].effect(), &solution, at) + libm::log(share);
+        Some(Weak { column, odds: PRIOR * libm::exp(log_weight / POWER + price), log_weight, gain })
     }
 }
 
