@@ -254,14 +254,16 @@ impl Builder {
             counts.sort_unstable();
             counts.get(counts.len() / 2).map_or(1.0, |count| f64::from(*count))
         });
-        for (column, late_s) in self.columns.iter_mut().zip(&self.late_s).filter(|(_, late_s)| **late_s != 0.0)
+        for (column, late_s) in
+            self.columns.iter_mut().zip(&self.late_s).filter(|(_, late_s)| **late_s != 0.0)
         {
             read_ahead(&self.series, column, *late_s);
         }
         self.series.columns = self.columns.into_iter().map(Arc::new).collect();
         let blocks = self.series.len();
         Epochs {
-            climb_noise_m2: self.path.climb_noise_m2() / (self.series.block_s / self.path.interval_s()).max(1.0),
+            climb_noise_m2: self.path.climb_noise_m2()
+                / (self.series.block_s / self.path.interval_s()).max(1.0),
             column_noise_m2: self.noise.iter().map(|noise| noise.of_mean(blocks)).collect(),
             series: self.series,
             available,

@@ -4,8 +4,8 @@ use kf_core::effect::{Clock, EffectId, EffectSubject, Regressor};
 use kf_core::sensor::Sensor;
 use model::{Effect, Model};
 
-use super::signal_errors::{SignalError, errors, receiver_delays_s};
 use super::delay::{DelayShape, SHAPES};
+use super::signal_errors::{SignalError, errors, receiver_delays_s};
 use super::wanted_effect::Tried;
 
 /// Time constants that are tried, seconds: a factor of three apart. Between two of them a fitted exponential

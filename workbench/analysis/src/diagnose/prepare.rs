@@ -4,7 +4,6 @@ use executor::Executor;
 use kf_core::sensor::Sensor;
 use model::Model;
 
-use kf_core::effect::EffectId;
 use super::candidates::{Candidate, candidates, unsure};
 use super::epochs::Epochs;
 use super::named_replay::NamedReplay;
@@ -15,6 +14,7 @@ use super::series::Series;
 use super::suspects::{Regressors, Suspects};
 use super::wanted_effect::Tried;
 use super::wind::wind;
+use kf_core::effect::EffectId;
 use replay::barometer;
 
 /// The input of a search.

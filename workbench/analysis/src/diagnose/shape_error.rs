@@ -325,8 +325,14 @@ mod tests {
     fn relative_variance(first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64, columns: &[usize]) -> f64 {
         let candidates = [EffectId::BaroLag, EffectId::BaroScale]
             .map(|id| Candidate::of(Regressor { id, time_constant_s: 0.0, since: Clock::Launch }));
-        let bounds = Bounds { range: [-10.0, 10.0], scale: 0.0, consistent: [f64::NEG_INFINITY, f64::INFINITY] };
-        let regressors = Regressors { noise_m2: vec![0.0; 2], attenuating_m2: vec![0.0; 2], shape: vec![0.01; 2], bounds: vec![bounds; 2] };
+        let bounds =
+            Bounds { range: [-10.0, 10.0], scale: 0.0, consistent: [f64::NEG_INFINITY, f64::INFINITY] };
+        let regressors = Regressors {
+            noise_m2: vec![0.0; 2],
+            attenuating_m2: vec![0.0; 2],
+            shape: vec![0.01; 2],
+            bounds: vec![bounds; 2],
+        };
         let suspects = Suspects::new(&candidates, regressors, vec![0, 1]);
         let variance = with(two_columns(BARO, first, second), |problem| {
             variance_of_coefficient(problem, &suspects, &noise(NONE_M), columns)

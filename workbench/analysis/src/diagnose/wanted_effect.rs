@@ -89,11 +89,14 @@ mod tests {
         ]
     }
 
-    fn narrowed(effect: EffectId, since: Option<Clock>, times_s: &[f32]) -> Vec<(EffectId, f32, Clock, DelayShape)> {
+    fn narrowed(
+        effect: EffectId,
+        since: Option<Clock>,
+        times_s: &[f32],
+    ) -> Vec<(EffectId, f32, Clock, DelayShape)> {
         let mut candidates = candidates();
         WantedEffect { effect, time_constant_s: None, since }.narrow(&mut candidates, times_s);
-        let facts =
-            |c: Candidate| (c.effect(), c.regressor.time_constant_s, c.regressor.since, c.delay);
+        let facts = |c: Candidate| (c.effect(), c.regressor.time_constant_s, c.regressor.since, c.delay);
         candidates.into_iter().map(facts).collect()
     }
 

@@ -245,8 +245,7 @@ pub fn add_remembering(
     let text = with_revision(&text, revision, &effect, request.date, replaced_coefficient, &errors)?;
     // The new text must be a valid model, and this one.
     let warnings = Model::parse(&text)?.warnings();
-    let concerns =
-        concerns(&diagnosis, &effect, learned.sigma_to_zero, judged_on, judged_m, &verdict);
+    let concerns = concerns(&diagnosis, &effect, learned.sigma_to_zero, judged_on, judged_m, &verdict);
     let remarks = doubts(&diagnosis, id).into_iter().chain(undecided(judged_on, &verdict)).chain(not_flown);
     let has_time = id.has_time_constant();
     Ok(Addition {

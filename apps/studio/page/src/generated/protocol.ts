@@ -296,6 +296,10 @@ time_constant_s: number | null,
  */
 smoothing_s: number | null, 
 /**
+ * The pure delay that fits a lag better than a shift of the slope does, seconds, if there is one.
+ */
+pure_delay_s: number | null, 
+/**
  * When the clock of a regressor with a time constant starts: `launch` or `start`.
  */
 since: string | null, 

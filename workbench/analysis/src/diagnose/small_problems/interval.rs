@@ -77,3 +77,28 @@ fn an_effect_that_may_act_too_widens_the_interval() {
     assert!((with.coefficient - without.coefficient).abs() < 1e-9, "{with:?} {without:?}");
     assert!(with.sigma > 1.01 * without.sigma, "{} {}", with.sigma, without.sigma);
 }
+
+/// A signal of which half is noise shows half of the coefficient. The interval of a fit that takes the signal
+/// for exact misses the true one; the one that knows the noise contains it, in nearly every flight. That much
+/// noise is no reason to doubt the effect, so that it does not count towards zero.
+#[test]
+fn noise_in_a_signal_widens_the_interval() {
+    const TRUE: f64 = 2.0;
+    let of = |seed: u64, known_m2: f64| {
+        let mut generator = ChaCha8Rng::seed_from_u64(1000 + seed);
+        let mut signs = || -> f64 { StandardNormal.sample(&mut generator) };
+        let (real, noise): (Vec<f64>, Vec<f64>) = (0..BLOCKS).map(|_| (signs(), signs())).unzip();
+        let measured: Vec<f64> = real.iter().zip(&noise).map(|(real, noise)| real + noise).collect();
+        let mut small = Small::new(BLOCKS, seed)
+            .candidate(EffectId::BaroPropwash, move |block| measured[block])
+            .error(move |block| TRUE * real[block]);
+        small.signal_noise_m2 = known_m2;
+        let facts = found(&small, EffectId::BaroPropwash);
+        assert!((facts.coefficient - 0.5 * TRUE).abs() < 0.3 * TRUE, "{facts:?}");
+        (facts.coefficient - TRUE).abs() < 1.96 * facts.sigma
+    };
+    let covered = |known_m2: f64| (0..20).filter(|seed| of(*seed, known_m2)).count();
+    assert_eq!(covered(0.0), 0);
+    // 95 % of 20; fewer than 16 by a chance of 3 in 1000.
+    assert!(covered(1.0) >= 16, "{}", covered(1.0));
+}

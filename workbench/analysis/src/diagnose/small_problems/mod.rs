@@ -59,6 +59,8 @@ pub(super) struct Small {
     pub(super) series: Series,
     candidates: Vec<Candidate>,
     pub(super) bounds: Vec<Bounds>,
+    /// Variance of the noise of the candidates' signals.
+    signal_noise_m2: f64,
 }
 
 /// Sine number `k`: their periods have no common multiple within a flight.
@@ -91,7 +93,7 @@ impl Small {
             block_s: 1.0,
             full_block: [10.0; SENSORS],
         };
-        Self { series, candidates: Vec::new(), bounds: Vec::new() }
+        Self { series, candidates: Vec::new(), bounds: Vec::new(), signal_noise_m2: 0.0 }
     }
 
     /// Adds a candidate whose regressor is `of(block)`; its physical range is -10 to 10.
@@ -105,6 +107,13 @@ impl Small {
         let regressor = Regressor { id, time_constant_s: 0.0, since: Clock::Launch };
         self.candidates.push(Candidate::of(regressor));
         self.bounds.push(Bounds { range, scale: 0.0, consistent: [f64::NEG_INFINITY, f64::INFINITY] });
+        self
+    }
+
+    /// States the coefficients that agree with the last candidate's shape.
+    fn consistent(mut self, with: [f64; 2]) -> Self {
+        let last = self.bounds.len() - 1;
+        self.bounds[last].consistent = with;
         self
     }
 
@@ -125,8 +134,12 @@ impl Small {
     /// The suspects: all candidates.
     pub(super) fn suspects(&self) -> Suspects<'_> {
         let count = self.candidates.len();
-        let regressors =
-            Regressors { noise_m2: vec![0.0; count], attenuating_m2: vec![0.0; count], shape: vec![0.01; count], bounds: self.bounds.clone() };
+        let regressors = Regressors {
+            noise_m2: vec![0.0; count],
+            attenuating_m2: vec![self.signal_noise_m2; count],
+            shape: vec![0.01; count],
+            bounds: self.bounds.clone(),
+        };
         Suspects::new(&self.candidates, regressors, (0..count).collect())
     }
 
