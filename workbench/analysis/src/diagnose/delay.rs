@@ -54,9 +54,7 @@ impl DelayShape {
             Self::Pure(delay_s) => [f64::from(delay_s) / AGREES, AGREES * f64::from(delay_s)],
         }
     }
-}
 
-impl DelayShape {
     /// The share of a noise's variance that remains, where the noise is independent between blocks of this
     /// many seconds.
     #[must_use]

@@ -3,10 +3,10 @@
 //! An interval is to contain the true coefficient as often as it says. The fit's variance assumes that its
 //! columns are exact and that nothing else acts. What may be wrong about that is added, each as a variance:
 //! the share of the coefficient that is uncertain because a signal is only roughly known ([`scale`]); the
-//! air's unsteadiness; other time constants and signal errors of the same effect. Where the climb rate is
-//! measured, also errors of the effects' shapes ([`shape_error`]), a constant error of the forward
-//! acceleration ([`offset_acceleration`]), and effects that were not chosen but may act. Without it, sets of
-//! effects are averaged elsewhere (`posterior.rs`).
+//! air's unsteadiness; other time constants and signal errors of the same effect; noise in its signals. Where
+//! the climb rate is measured, also errors of the effects' shapes ([`shape_error`]), a constant error of the
+//! forward acceleration ([`offset_acceleration`]), and effects that were not chosen but may act. Without it,
+//! sets of effects are averaged elsewhere (`posterior.rs`).
 
 use super::{Findings, Judge};
 use crate::diagnose::information::Solution;
@@ -44,8 +44,8 @@ impl BeyondNoise {
     }
 }
 
-/// A column of which more than half were noise would hardly have been chosen; the estimate of the noise is not
-/// trusted beyond that.
+/// The largest share of a column's squares that counts as noise. In an aircraft that hardly manoeuvres, what
+/// bends the climb rate is partly its own motion, so a larger estimate is not trusted.
 const MOST_NOISE: f64 = 0.5;
 
 /// A column beside the chosen columns of other effects.

@@ -2,9 +2,8 @@
 //!
 //! Lift is the dynamic pressure q times the angle of attack beyond that of zero lift, `n W = q S c (a - a0)`,
 //! so the error `k q a` of an angle of attack is `k W n / (S c) + k a0 q`: a part that follows the load factor
-//! n and one that follows q (Anderson, *Introduction to Flight*, sections 5.3 and 5.5). Where the angle was not
-//! measured, or not well, the search finds these two as an acceleration and a dynamic pressure. Neither need
-//! act then.
+//! n and one that follows q. Where the angle was not measured, or not well, the search finds these two as an
+//! acceleration and a dynamic pressure. Neither need act then.
 
 use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
