@@ -164,27 +164,35 @@ impl<'a> Problem<'a> {
     /// given noise. Used for the noise of regressors.
     #[must_use]
     pub fn weight_of_white(&self, noise: &Noise) -> BySensor {
-        let mut weights = [0.0; SENSORS];
+        std::array::from_fn(|sensor| {
+            self.weight_of_signs(noise, |sign| std::array::from_fn(|i| if i == sensor { sign } else { 0.0 }))
+        })
+    }
+
+    /// The same for white noise that is in all sensors' block means alike, as the noise of a receiver is. The
+    /// reference's own noise explains part of it.
+    #[must_use]
+    pub fn weight_of_shared_white(&self, noise: &Noise) -> f64 {
+        self.weight_of_signs(noise, |sign| [sign; SENSORS])
+    }
+
+    /// The sum of squares of a column of random signs, made into one for each sensor.
+    fn weight_of_signs(&self, noise: &Noise, by_sensor: impl Fn(f64) -> BySensor) -> f64 {
+        let mut weight = 0.0;
         for flight in self.flights {
             // A sequence of signs without a period serves as white noise.
             let mut state = 0x2545_f491_4f6c_dd1d_u64;
-            let signs: Vec<f64> = (0..flight.len())
+            let column: Vec<BySensor> = (0..flight.len())
                 .map(|_| {
                     state ^= state << 13;
                     state ^= state >> 7;
                     state ^= state << 17;
-                    if state >> 63 == 0 { 1.0 } else { -1.0 }
+                    by_sensor(if state >> 63 == 0 { 1.0 } else { -1.0 })
                 })
                 .collect();
-            for (sensor, weight) in weights.iter_mut().enumerate() {
-                let column: Vec<BySensor> = signs
-                    .iter()
-                    .map(|sign| std::array::from_fn(|i| if i == sensor { *sign } else { 0.0 }))
-                    .collect();
-                whiten(flight, noise, &[&column], &|_| true, &mut |_, _, row| *weight += row[0] * row[0]);
-            }
+            whiten(flight, noise, &[&column], &|_| true, &mut |_, _, row| weight += row[0] * row[0]);
         }
-        weights
+        weight
     }
 
     /// The noise of several sets of columns from one start, in parallel.

@@ -37,6 +37,22 @@ pub struct Regressors {
     pub bounds: Vec<Bounds>,
 }
 
+/// What a square metre of white noise in block means adds to the squares: in one sensor's, and in all sensors'
+/// alike.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct White {
+    by_sensor: BySensor,
+    shared: f64,
+}
+
+impl White {
+    /// Under this noise.
+    #[must_use]
+    pub fn of(problem: &Problem<'_>, noise: &Noise) -> Self {
+        Self { by_sensor: problem.weight_of_white(noise), shared: problem.weight_of_shared_white(noise) }
+    }
+}
+
 impl<'a> Suspects<'a> {
     /// The candidates whose columns are in `usable`.
     #[must_use]
@@ -137,10 +153,10 @@ impl<'a> Suspects<'a> {
     /// The share of a column's squares (of which `covariance` is the inverse, beside the other columns) that is
     /// the noise of its signals. The coefficient is too small by it.
     #[must_use]
-    pub fn attenuation(&self, column: usize, covariance: f64, weights: &BySensor) -> f64 {
+    pub fn attenuation(&self, column: usize, covariance: f64, white: &White) -> f64 {
         let weight = match self.candidates[column].sensor() {
-            Some(sensor) => weights[sensor.index()],
-            None => weights.iter().sum(),
+            Some(sensor) => white.by_sensor[sensor.index()],
+            None => white.shared,
         };
         self.attenuating_m2.get(column).copied().unwrap_or(0.0) * weight * covariance
     }

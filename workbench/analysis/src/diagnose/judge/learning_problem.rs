@@ -9,6 +9,7 @@ use crate::diagnose::noise::Noise;
 use crate::diagnose::posterior::Posterior;
 use crate::diagnose::repeatability::repeatability;
 use crate::diagnose::search::{Explanation, Search};
+use crate::diagnose::suspects::White;
 use crate::progress::{Cancelled, Progress, step};
 
 /// Maximum number of noise fits while a time constant is refined.
@@ -147,7 +148,7 @@ impl Judge<'_> {
         let inflation = self.inflation(&explanation, &repeat);
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         Findings {
-            white: self.problem.weight_of_white(&explanation.fit.noise),
+            white: White::of(self.problem, &explanation.fit.noise),
             explanation,
             information,
             rivals: Vec::new(),

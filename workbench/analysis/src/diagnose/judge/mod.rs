@@ -27,9 +27,8 @@ use super::repeatability::{Repeatability, repeatability};
 use super::rivals::{Rivals, rivals};
 use super::roughness::lacks_airspeed;
 use super::search::{Explanation, Search};
-use super::series::BySensor;
 use super::simplicity::simpler;
-use super::suspects::Suspects;
+use super::suspects::{Suspects, White};
 use crate::progress::{Cancelled, Progress, step};
 
 /// A coefficient whose parts differ by more than this, in mean squares relative to the expected ones, comes
@@ -100,8 +99,7 @@ impl Set {
 pub(super) struct Findings {
     pub(super) explanation: Explanation,
     pub(super) information: Information,
-    /// What a square metre of white noise in a sensor's block means adds to the squares.
-    pub(super) white: BySensor,
+    pub(super) white: White,
     pub(super) rivals: Vec<Rivals>,
     /// What may act on sensors for which nothing was chosen, where the climb rate is measured.
     pub(super) weak: Vec<Rivals>,
@@ -177,7 +175,7 @@ impl Judge<'_> {
         };
         let information = self.suspects.information(self.problem, &explanation.fit.noise);
         let mut findings = Findings {
-            white: self.problem.weight_of_white(&explanation.fit.noise),
+            white: White::of(self.problem, &explanation.fit.noise),
             explanation,
             information,
             rivals,
