@@ -279,6 +279,7 @@ mod tests {
             time_constant_s: None,
             smoothing_s: None,
             pure_delay_s: None,
+            noise_share: 0.0,
             since: None,
             size_m: 0.0,
             envelope_m: [0.0; 2],

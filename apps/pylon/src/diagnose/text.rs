@@ -203,6 +203,9 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
             }
         );
     }
+    for (effect, share) in hidden_in_noise(sensor) {
+        put!(out, "  the noise of its own signals may hide {share} of {effect}'s coefficient");
+    }
     for follows in &sensor.follows {
         put!(
             out,
@@ -221,6 +224,17 @@ fn write_sensor(out: &mut String, name: &str, sensor: &SensorDiagnosis, has_laun
     if !sensor.advice.is_empty() {
         put!(out, "  {}", sensor.advice);
     }
+}
+
+/// From this share of a regressor's squares on, the noise of its signals is worth a line. Less is within the
+/// two to five per cent by which a signal's scale is uncertain anyway, twice over.
+const HIDES: f64 = 0.1;
+
+/// The chosen effects of which a good part may be hidden in the noise of their own signals, and that part.
+pub(crate) fn hidden_in_noise(sensor: &SensorDiagnosis) -> impl Iterator<Item = (&str, String)> {
+    let chosen =
+        sensor.candidates.iter().filter(|candidate| candidate.chosen && candidate.noise_share >= HIDES);
+    chosen.map(|candidate| (&*candidate.effect, per_cent(candidate.noise_share)))
 }
 
 /// What a set is called, and its effects with their probabilities and that of nothing.
@@ -317,6 +331,38 @@ mod tests {
         assert_eq!(probability(0.5), "0.5");
         assert_eq!(probability(3e-5), "3e-5");
         assert_eq!(probability(0.0), "< 1e-12");
+    }
+
+    /// What a signal's noise may hide of a chosen effect's coefficient is said from a tenth on.
+    #[test]
+    fn what_noise_hides_is_said() {
+        let of = |noise_share: f64, chosen: bool| {
+            let facts = CandidateFacts {
+                effect: "baro.lag".into(),
+                coefficient: 1.0,
+                sigma: 0.5,
+                unit: "s".into(),
+                probability: None,
+                p_value: 1e-9,
+                rms_before_m: None,
+                rms_after_m: None,
+                chosen,
+                time_constant_s: None,
+                smoothing_s: None,
+                pure_delay_s: None,
+                noise_share,
+                since: None,
+                size_m: 1.0,
+                envelope_m: [0.0, 1.0],
+            };
+            let sensor = SensorDiagnosis { candidates: vec![facts], ..SensorDiagnosis::default() };
+            let mut text = String::new();
+            write_sensor(&mut text, "baro", &sensor, true, false);
+            text
+        };
+        let line = "  the noise of its own signals may hide 32 % of baro.lag's coefficient\n";
+        assert!(of(0.32, true).contains(line), "{}", of(0.32, true));
+        assert!(!of(0.09, true).contains("noise") && !of(0.32, false).contains("noise"));
     }
 
     /// Effects, their probabilities, and that of nothing.

@@ -192,6 +192,9 @@ pub struct CandidateFacts {
     pub smoothing_s: Option<f64>,
     /// The pure delay that fits a lag better than a shift of the slope does, seconds, if there is one.
     pub pure_delay_s: Option<f64>,
+    /// The share of the regressor's squares that is the noise of its own signals, beside the other chosen
+    /// effects, at most one half. The coefficient may be too small by it, which sigma includes.
+    pub noise_share: f64,
     /// When the clock of a regressor with a time constant starts: `launch` or `start`.
     pub since: Option<Name>,
     /// How much of the residual the effect makes in free flight, rms, m.
@@ -371,6 +374,7 @@ mod tests {
             time_constant_s: None,
             smoothing_s: Some(4.0),
             pure_delay_s: None,
+            noise_share: 0.0,
             since: Some("launch".into()),
             size_m: 26.870_493_240_356_446,
             envelope_m: [-1.0, 1.5],

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::bars::bars;
 use super::effects::meaning;
 use crate::compare::text::number::{metres, seconds};
-use crate::diagnose::text::{per_cent, probability, say, untested_for_a_reason, with_sigma};
+use crate::diagnose::text::{hidden_in_noise, per_cent, probability, say, untested_for_a_reason, with_sigma};
 use crate::diagnose::{CandidateFacts, Diagnosis, SensorDiagnosis, Verdict};
 
 /// Number of candidates shown beside the chosen ones; the rest open on demand.
@@ -65,6 +65,9 @@ fn of_sensor(name: &str, sensor: &SensorDiagnosis) -> Markup {
             }
             @if let Some(factor) = sensor.free_flight_factor.filter(|factor| *factor > 1.5) {
                 p { "Its own wander is " (format!("{factor:.1}")) " times larger in free flight than under the pylon." }
+            }
+            @for (id, share) in hidden_in_noise(sensor) {
+                p { "The noise of its own signals may hide " (share) " of the coefficient of " code { (id) } "." }
             }
             @if !sensor.advice.is_empty() { p.advice { b { "What to do: " } (sensor.advice) } }
             @if !sensor.candidates.is_empty() {
@@ -211,6 +214,7 @@ mod tests {
             time_constant_s: None,
             smoothing_s: None,
             pure_delay_s: None,
+            noise_share: 0.0,
             since: None,
             size_m: 3.0,
             envelope_m: [-10.0, 10.0],

@@ -300,6 +300,11 @@ smoothing_s: number | null,
  */
 pure_delay_s: number | null, 
 /**
+ * The share of the regressor's squares that is the noise of its own signals, beside the other chosen
+ * effects, at most one half. The coefficient may be too small by it, which sigma includes.
+ */
+noise_share: number, 
+/**
  * When the clock of a regressor with a time constant starts: `launch` or `start`.
  */
 since: string | null, 

@@ -129,6 +129,7 @@ impl Judge<'_> {
             rms_after_m: rms(held_out(with)),
             chosen: at.is_some(),
             time_constant_s: has_time.then(|| f64::from(candidate.regressor.time_constant_s)),
+            noise_share: self.noise_share(findings, column, &solution),
             smoothing_s: match candidate.delay {
                 DelayShape::LowPass(time_s) => Some(f64::from(time_s)),
                 DelayShape::Slope | DelayShape::Pure(_) => None,

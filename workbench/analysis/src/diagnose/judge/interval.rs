@@ -88,9 +88,15 @@ impl Judge<'_> {
     /// The noise of the column's own signals, by which the coefficient is too small: in level flight, an
     /// airspeed's or a climb rate's noise may be as large as its changes.
     fn of_signal_noise(&self, findings: &Findings, own: &Own<'_>) -> f64 {
-        let covariance = own.fit.covariance.last().copied().unwrap_or(0.0);
-        let noise = self.suspects.attenuation(own.column, covariance, &findings.white).min(MOST_NOISE);
+        let noise = self.noise_share(findings, own.column, own.fit);
         (own.coefficient() * noise / (1.0 - noise)).powi(2)
+    }
+
+    /// The share of a column's squares, beside the other columns of a fit of which it is the last, that is the
+    /// noise of its signals.
+    pub(super) fn noise_share(&self, findings: &Findings, column: usize, fit: &Solution) -> f64 {
+        let covariance = fit.covariance.last().copied().unwrap_or(0.0);
+        self.suspects.attenuation(column, covariance, &findings.white).min(MOST_NOISE)
     }
 
     /// Errors of the shapes, and a constant error of the forward acceleration. Columns that cannot be told
