@@ -337,24 +337,8 @@ mod tests {
     #[test]
     fn what_noise_hides_is_said() {
         let of = |noise_share: f64, chosen: bool| {
-            let facts = CandidateFacts {
-                effect: "baro.lag".into(),
-                coefficient: 1.0,
-                sigma: 0.5,
-                unit: "s".into(),
-                probability: None,
-                p_value: 1e-9,
-                rms_before_m: None,
-                rms_after_m: None,
-                chosen,
-                time_constant_s: None,
-                smoothing_s: None,
-                pure_delay_s: None,
-                noise_share,
-                since: None,
-                size_m: 1.0,
-                envelope_m: [0.0, 1.0],
-            };
+            let facts =
+                CandidateFacts { effect: "baro.lag".into(), chosen, noise_share, ..Default::default() };
             let sensor = SensorDiagnosis { candidates: vec![facts], ..SensorDiagnosis::default() };
             let mut text = String::new();
             write_sensor(&mut text, "baro", &sensor, true, false);

@@ -11,7 +11,10 @@ pub(super) struct ColumnNoise {
 }
 
 /// With fewer bends than this, the noise is not estimated.
-const FEW_BENDS: u64 = 20;
+pub(super) const FEW_BENDS: u64 = 20;
+
+/// Squares of a bend's three weights, 1, -2 and 1: its variance over that of a sample.
+pub(super) const BEND: f64 = 6.0;
 
 impl ColumnNoise {
     pub(super) fn take(&mut self, value: f64) {
@@ -26,13 +29,12 @@ impl ColumnNoise {
         self.last = [Some(value), self.last[0]];
     }
 
-    /// Variance of the mean of a block's samples. A bend is made of three samples, with weights whose squares
-    /// add up to 6.
+    /// Variance of the mean of a block's samples.
     pub(super) fn of_mean(&self, blocks: usize) -> f64 {
         if self.bends < FEW_BENDS || blocks == 0 {
             return 0.0;
         }
-        let one = self.squares / (6.0 * self.bends as f64);
+        let one = self.squares / (BEND * self.bends as f64);
         one / (self.bends as f64 / blocks as f64).max(1.0)
     }
 }

@@ -1,6 +1,7 @@
 //! Prepares flights for the search: candidates, block means, and the terms estimated with the effects.
 
 use executor::Executor;
+use kf_core::effect::EffectId;
 use kf_core::sensor::Sensor;
 use model::Model;
 
@@ -14,7 +15,6 @@ use super::series::Series;
 use super::suspects::{Regressors, Suspects};
 use super::wanted_effect::Tried;
 use super::wind::wind;
-use kf_core::effect::EffectId;
 use replay::barometer;
 
 /// The input of a search.

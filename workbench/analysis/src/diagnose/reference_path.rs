@@ -1,5 +1,6 @@
 //! The reference's altitude between its fixes.
 
+use super::column_noise::{BEND, FEW_BENDS};
 use super::latent_path::PathPoint;
 
 /// One accepted fix.
@@ -15,9 +16,6 @@ pub struct Fix {
 
 /// Two fixes have a gap between them if they are further apart than this many medians of their interval.
 const GAP_INTERVALS: f64 = 4.0;
-
-/// With fewer bends than this, the climb rate's noise is not estimated.
-const FEW_BENDS: usize = 20;
 
 /// Median of the square of a standard normal number.
 const MEDIAN_OF_SQUARES: f64 = 0.4549;
@@ -86,11 +84,11 @@ impl ReferencePath {
             is_even.then(|| (first - 2.0 * second + third).powi(2))
         });
         let mut squares: Vec<f64> = bends.collect();
-        if squares.len() < FEW_BENDS {
+        if (squares.len() as u64) < FEW_BENDS {
             return 0.0;
         }
         squares.sort_by(f64::total_cmp);
-        squares[squares.len() / 2] / MEDIAN_OF_SQUARES / 6.0
+        squares[squares.len() / 2] / MEDIAN_OF_SQUARES / BEND
     }
 
     /// The fixes.

@@ -211,8 +211,7 @@ impl Place<'_> {
         for column in self.suspects.usable().iter().copied().filter(|column| self.effect(*column) == effect) {
             let set = self.with(&[column]);
             if let Some(solution) = self.information.solve(&self.suspects.positions(&set))
-                && self.suspects.is_possible(&set, &solution)
-                && self.suspects.is_consistent(&set, &solution)
+                && self.suspects.may_act(&set, &solution)
                 && let Some(rest) = self.suspects.rest_but_noise(self.information, self.weights, &set)
             {
                 worse.push((rest - self.best_rest, column));
@@ -278,8 +277,7 @@ impl Place<'_> {
                 let set: Vec<usize> = self.without.iter().copied().chain([*a, *b]).collect();
                 if let Some(solution) = self.information.solve(&self.suspects.positions(&set))
                     && solution.rest < self.best_rest - CLEARLY_BETTER
-                    && self.suspects.is_possible(&set, &solution)
-                    && self.suspects.is_consistent(&set, &solution)
+                    && self.suspects.may_act(&set, &solution)
                 {
                     better.push((solution.rest, [*a, *b], solution));
                 }

@@ -212,8 +212,7 @@ pub(super) fn extended(
             }
             let at: Vec<usize> = larger.iter().filter_map(|column| suspects.position(*column)).collect();
             if let Some(solution) = information.solve(&at)
-                && suspects.is_possible(&larger, &solution)
-                && suspects.is_consistent(&larger, &solution)
+                && suspects.may_act(&larger, &solution)
             {
                 found.push((solution.rest + suspects.penalty() * larger.len() as f64, larger));
             }

@@ -31,8 +31,8 @@ const AIRSPEED_LATE_S: [f32; 3] = [0.0, 0.3, 0.6];
 /// seconds: an equally late velocity, read d/2 ahead. A receiver is about three seconds late at most. One that
 /// extrapolates may be early, by a second at most: its velocity is read behind.
 const RECEIVER_LATE_S: [f32; 9] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, -0.25, -0.5];
-/// How much a receiver's delay may differ from twice what its velocity is read ahead by, seconds: the step of
-/// these delays, beyond which the next one is better.
+/// How much a receiver's delay may differ from twice the time by which its velocity is read ahead, seconds: a
+/// step of these delays, beyond which another one is surely nearer.
 const RECEIVER_STEP_S: f64 = 0.5;
 
 /// The delays, seconds, that agree with a velocity that is read ahead by `late_s`.

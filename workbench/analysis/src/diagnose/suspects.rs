@@ -107,6 +107,13 @@ impl<'a> Suspects<'a> {
         is_possible(&bounds, solution)
     }
 
+    /// Whether these columns may act together with the coefficients of their fit: possible ones, that agree with
+    /// their shapes.
+    #[must_use]
+    pub fn may_act(&self, set: &[usize], solution: &Solution) -> bool {
+        self.is_possible(set, solution) && self.is_consistent(set, solution)
+    }
+
     /// Whether every coefficient of a fit of these columns agrees with its column's shape.
     #[must_use]
     pub fn is_consistent(&self, set: &[usize], solution: &Solution) -> bool {

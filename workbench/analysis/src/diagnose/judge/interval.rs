@@ -124,9 +124,8 @@ impl Judge<'_> {
                 }
                 let set = self.columns_beside(findings, column);
                 let fit = findings.information.solve(&self.suspects.positions(&set))?;
-                let is_possible =
-                    self.suspects.is_possible(&set, &fit) && self.suspects.is_consistent(&set, &fit);
-                is_possible.then_some((column, *fit.coefficients.last()?, fit.rest))
+                let may_act = self.suspects.may_act(&set, &fit);
+                may_act.then_some((column, *fit.coefficients.last()?, fit.rest))
             })
             .collect();
         let weight = |other_rest: f64| libm::exp(-0.5 * POWER * (other_rest - rest).max(0.0));

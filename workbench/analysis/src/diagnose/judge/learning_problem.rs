@@ -72,9 +72,7 @@ impl Judge<'_> {
         let rests = own.iter().filter_map(|column| {
             let columns = with(others, *column);
             let solution = information.solve(&self.suspects.positions(&columns))?;
-            let is_possible = self.suspects.is_possible(&columns, &solution)
-                && self.suspects.is_consistent(&columns, &solution);
-            is_possible.then_some((*column, solution.rest))
+            self.suspects.may_act(&columns, &solution).then_some((*column, solution.rest))
         });
         rests.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(column, _)| column)
     }

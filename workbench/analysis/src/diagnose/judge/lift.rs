@@ -15,8 +15,7 @@ use crate::diagnose::search::Explanation;
 
 /// The largest angle between the zero-lift line and the line from which an angle of attack counts, rad: 5
 /// degrees, that of a strongly cambered section (Abbott and von Doenhoff, *Theory of Wing Sections*, appendix
-/// IV). Of the blind trials' flights (docs/blind-trials.md), those in which only an angle of attack acts need
-/// 0.6 to 2.6 degrees, and those in which a dynamic pressure and an acceleration act 5.6.
+/// IV). docs/blind-trials.md says what flights with and without such an angle need.
 const ZERO_LIFT_RAD: f64 = 0.087;
 
 /// The smallest part of an angle of attack that carries the aircraft in level flight, rad: a lift coefficient
