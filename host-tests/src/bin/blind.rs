@@ -117,7 +117,7 @@ fn main() -> anyhow::Result<()> {
         let dumped: Vec<Dumped<'_>> = trials.iter().map(dumped).collect();
         fs::write(folder.join("trials.json"), serde_json::to_string_pretty(&dumped)?)?;
     }
-    let improvements: Vec<_> = trials.iter().filter_map(|trial| trial.improvement).collect();
+    let improvements: Vec<_> = trials.iter().filter_map(|trial| trial.improvement.clone()).collect();
     println!(
         "{} trials flown (seeds {} to {}), {unflown} plans that the aircraft can't fly\n\n{}\n{}\n{}\n{}\n{}",
         trials.len(),
@@ -208,8 +208,15 @@ fn line(trial: &Trial) -> String {
         trial.deviations.iter().map(|deviation| format!("{:+.1}", deviation.sigmas())).collect();
     let deviations =
         if deviations.is_empty() { String::new() } else { format!(" ({} sigma)", deviations.join(" ")) };
-    let improvement = trial.improvement.map_or_else(String::new, |i| {
-        format!(" [next flight {:.2} m, added {:.2} m, oracle {:.2} m]", i.before_m, i.after_m, i.oracle_m)
+    let improvement = trial.improvement.as_ref().map_or_else(String::new, |i| {
+        let refused: Vec<String> = i.refused.iter().map(|why| format!("; refused {why}")).collect();
+        format!(
+            " [next flight {:.2} m, added {:.2} m, oracle {:.2} m{}]",
+            i.before_m,
+            i.after_m,
+            i.oracle_m,
+            refused.concat()
+        )
     });
     let advised = trial.advised.as_ref().map_or_else(String::new, |advised| {
         let of_set = |set: &advised::AdvisedSet| {

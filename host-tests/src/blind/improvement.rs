@@ -15,7 +15,7 @@ use time::{Date, Month};
 
 /// Root mean square errors in free flight of the sensors concerned, on a flight that was not learned from,
 /// metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Improvement {
     /// With the model without the effects.
     pub before_m: f64,
@@ -25,8 +25,9 @@ pub struct Improvement {
     pub oracle_m: f64,
     /// Whether every injected effect was identified.
     pub is_complete: bool,
-    /// Identified effects that `pylon add` refuses to add unless forced; they were not added.
-    pub refused: usize,
+    /// Why `pylon add` refuses to add an identified effect unless forced, for each that it refuses; they were
+    /// not added.
+    pub refused: Vec<String>,
 }
 
 impl Improvement {
@@ -48,7 +49,7 @@ pub fn improvement(
     injected: &[Effect],
 ) -> anyhow::Result<Improvement> {
     let mut text = String::new();
-    let mut refused = 0;
+    let mut refused = Vec::new();
     for name in identified {
         let effect = EffectId::from_name(name).with_context(|| format!("{name} is not in the catalogue"))?;
         let request = Request {
@@ -61,7 +62,8 @@ pub fn improvement(
         };
         match add(&request, &mut || ()) {
             Ok(addition) if addition.concerns.is_empty() => text = addition.text,
-            Ok(_) | Err(_) => refused += 1,
+            Ok(addition) => refused.push(format!("{name}: {}", addition.concerns.join("; "))),
+            Err(error) => refused.push(format!("{name}: {error}")),
         }
     }
     let rms_m = |text: &str| -> anyhow::Result<f64> {
@@ -110,7 +112,7 @@ fn oracle(injected: &[Effect]) -> String {
 #[must_use]
 pub fn lines(improvements: &[Improvement]) -> String {
     let mut text = String::new();
-    let complete: Vec<Improvement> = improvements.iter().copied().filter(|i| i.is_complete).collect();
+    let complete: Vec<Improvement> = improvements.iter().filter(|i| i.is_complete).cloned().collect();
     for (what, some) in
         [("an effect identified", improvements), ("every injected effect identified", complete.as_slice())]
     {
@@ -133,7 +135,7 @@ pub fn lines(improvements: &[Improvement]) -> String {
             total(&|i| i.oracle_m),
             ratios[ratios.len() / 2],
             ratios.len(),
-            some.iter().map(|i| i.refused).sum::<usize>(),
+            some.iter().map(|i| i.refused.len()).sum::<usize>(),
         );
     }
     text

@@ -39,6 +39,13 @@ pub fn addition_text(addition: &Addition, file: &str) -> String {
         let since = if addition.since.as_deref() == Some("start") { "the first tick" } else { "launch" };
         put!(out, "  time constant {time_constant_s} s, since {since}");
     }
+    if let Some(catalogues) = &addition.instead_of {
+        put!(
+            out,
+            "  {catalogues} in the shape that it has here: a low pass, defined in the model; the catalogue's is the climb rate \
+             itself"
+        );
+    }
     if let Some([least, largest]) = addition.envelope_m {
         put!(
             out,

@@ -17,6 +17,8 @@ pub fn title(effect: &str) -> &str {
         "baro.angle_of_attack" => "static-port error with angle of attack",
         "baro.sideslip" => "static-port error in sideslip",
         "baro.lag" => "pressure lag",
+        "baro.low_pass_lag" => "pressure lag (a low pass)",
+        "gps.low_pass_latency" => "receiver's delay (a low pass)",
         "baro.scale" => "scale-factor error",
         "baro.temperature" => "temperature error",
         "baro.warm_up" => "warm-up drift",

@@ -104,7 +104,7 @@ impl Builder {
     }
 
     pub(super) fn run(&mut self, replay: &Replay<'_>, model: &Model, candidates: &[Candidate]) {
-        let mut follower = Follower::new(model);
+        let mut follower = Follower::knowing(model, candidates.iter().map(|candidate| candidate.regressor));
         let mut inputs = replay.inputs();
         loop {
             let row = inputs.next_row();

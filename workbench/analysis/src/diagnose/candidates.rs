@@ -5,6 +5,7 @@ use kf_core::sensor::Sensor;
 use model::{Effect, Model};
 
 use super::delay::{DelayShape, SHAPES};
+use super::low_pass::{LowPassDelay, is_same_effect};
 use super::signal_errors::{SignalError, errors, receiver_delays_s};
 use super::wanted_effect::Tried;
 
@@ -74,7 +75,9 @@ impl Candidate {
 pub fn catalogue(model: &Model, has_climb_rate: bool) -> Vec<Candidate> {
     let shapes = if has_climb_rate { SHAPES.as_slice() } else { &SHAPES[..1] };
     let mut candidates = Vec::new();
-    for id in model.catalogue() {
+    // A delay defined as a low pass is the catalogue's own, whose shapes are all tried.
+    let is_tried = |id: &EffectId| LowPassDelay::of(*id).is_none_or(|delay| delay.catalogues == *id);
+    for id in model.catalogue().filter(is_tried) {
         let mut add = |time_constant_s, since, delay| {
             let regressor = Regressor { id, time_constant_s, since };
             candidates.push(Candidate { delay, ..Candidate::of(regressor) });
@@ -112,9 +115,14 @@ pub(super) fn candidates(
 ) -> (Vec<Candidate>, Vec<Candidate>) {
     let mut candidates = catalogue(model, has_climb_rate);
     if let Some(tried) = tried {
+        let wanted = tried.wanted.effect;
+        if LowPassDelay::of(wanted).is_some_and(|delay| delay.catalogues != wanted) {
+            candidates.push(Candidate::of(Regressor::new(wanted)));
+        }
         tried.narrow(&mut candidates);
     }
-    let has = |effect: EffectId| model.effects.iter().any(|known| known.term.regressor.id == effect);
+    let has =
+        |effect: EffectId| model.effects.iter().any(|known| is_same_effect(known.term.regressor.id, effect));
     candidates.retain(|candidate| !has(candidate.effect()));
     let known = unsure(model).map(|effect| Candidate::of(effect.term.regressor));
     (candidates, known.collect())

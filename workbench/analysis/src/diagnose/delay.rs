@@ -42,7 +42,7 @@ pub const SHAPES: [DelayShape; 14] = [
 
 /// A coefficient agrees with its shape within half a step of the grid, a factor of 1.2: beyond that, the next
 /// shape is nearer.
-const AGREES: f64 = 1.2;
+pub(super) const AGREES: f64 = 1.2;
 
 impl DelayShape {
     /// The delays that agree with this shape, seconds.

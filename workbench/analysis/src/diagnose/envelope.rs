@@ -16,7 +16,7 @@ pub fn envelope_m<'a>(
 ) -> Option<[f32; 2]> {
     let mut range = None;
     for replay in replays {
-        let mut follower = Follower::new(replay.model());
+        let mut follower = Follower::knowing(replay.model(), [regressor]);
         for input in replay.inputs() {
             follower.take(&input);
             let value = follower.raw_m(regressor).filter(|metres| metres.is_finite());

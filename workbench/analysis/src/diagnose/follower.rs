@@ -83,9 +83,9 @@ pub(super) enum Phase {
 }
 
 impl Follower {
-    /// A follower that also computes this regressor, whatever its time constant.
-    pub(super) fn knowing(model: &Model, regressor: Regressor) -> Self {
-        Self { formulas: Formulas::of(model, Some(regressor)), ..Self::new(model) }
+    /// A follower that also computes these regressors, whatever their time constants.
+    pub(super) fn knowing(model: &Model, regressors: impl IntoIterator<Item = Regressor>) -> Self {
+        Self { formulas: Formulas::of(model, regressors), ..Self::new(model) }
     }
 
     /// The current value of the regressor, metres per unit, as in the estimator.

@@ -22,8 +22,8 @@ pub(super) struct Formulas {
 }
 
 impl Formulas {
-    /// The formulas of a model, both those in use and those only defined, and one more.
-    pub(super) fn of(model: &Model, further: Option<Regressor>) -> Self {
+    /// The formulas of a model, both those in use and those only defined, and further ones.
+    pub(super) fn of(model: &Model, further: impl IntoIterator<Item = Regressor>) -> Self {
         let own = model.effects.iter().map(|effect| effect.term.regressor);
         let tried = catalogue(model, false).into_iter().map(|candidate| candidate.regressor);
         Self::new(own.chain(tried).chain(further))

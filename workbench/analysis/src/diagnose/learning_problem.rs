@@ -46,9 +46,11 @@ pub struct LearningProblem {
     /// Variance of the coefficient beyond that of the noise, in its unit squared: errors of signals and
     /// shapes, time constants that fit as well, effects that may act too.
     pub beyond_noise: f64,
-    /// The part of it by which the coefficient may be larger, but not smaller: what the noise of its signals
-    /// may have hidden.
-    pub hidden: f64,
+    /// The part of it that is a share of the coefficient itself, and vanishes where the effect does not act.
+    pub relative: f64,
+    /// Time constant, seconds, with which the effect, a delay, is a low pass; `None` where it acts as in the
+    /// catalogue, or its regressor is a low pass already.
+    pub low_pass_s: Option<f64>,
     /// The diagnosis' own estimate of the coefficient, in f64, and the held-out errors.
     pub facts: CandidateFacts,
     /// The evidence of the flights' own stretches about the coefficient.

@@ -14,6 +14,7 @@ use super::information::Information;
 use super::noise::Noise;
 use super::problem::Problem;
 use super::series::{BySensor, Series};
+use super::shape_error::ByOrigin;
 
 /// Error of a forward acceleration, m/s^2: pitch and roll are known to a quarter of a degree, and let that
 /// share of gravity in. Data sheets state 0.2 degrees (Xsens MTi-300, static) to 0.5 degrees (VectorNav
@@ -39,20 +40,21 @@ const fn growth(effect: EffectId) -> Option<Growth> {
     }
 }
 
-/// The variance that this error gives the last pick's coefficient, in its unit squared. `effects` are the
-/// picks' effects and coefficients. `None` where the picks cannot be told apart.
+/// The variance that this error gives the last pick's coefficient. `effects` are the picks' effects and
+/// coefficients. `None` where the picks cannot be told apart.
 #[must_use]
 pub fn variance(
     problem: &Problem<'_>,
     noise: &Noise,
     picks: &[usize],
     effects: &[(EffectId, f64)],
-) -> Option<f64> {
-    let mut variance = 0.0;
-    for (effect, coefficient) in effects {
+) -> Option<ByOrigin> {
+    let mut variance = ByOrigin::default();
+    for (at, (effect, coefficient)) in effects.iter().enumerate() {
         if let Some(growth) = growth(*effect) {
             let moved = FORWARD_MPS2 * coefficient * response(problem, noise, picks, growth)?;
-            variance += moved * moved;
+            let origin = if at + 1 == effects.len() { &mut variance.own } else { &mut variance.others };
+            *origin += moved * moved;
         }
     }
     Some(variance)
@@ -145,7 +147,9 @@ mod tests {
         let model = Model::default();
         let prior = NoisePrior::new(&flights, &model.reference, &model.sensors);
         let problem = Problem::new(&flights, prior, Vec::new(), &executor::Inline);
-        variance(&problem, &noise, &[0], &[(effect, 0.02)]).unwrap().sqrt()
+        let variance = variance(&problem, &noise, &[0], &[(effect, 0.02)]).unwrap();
+        assert_eq!(variance.others, 0.0);
+        variance.own.sqrt()
     }
 
     /// By least squares beside a bias, written down: the coefficient moves by the offset times the coefficient

@@ -263,7 +263,7 @@ impl Planner {
         let sigma = |(_, variance): (f64, f64)| {
             // A column that does not move now has nothing beyond its noise.
             let of_noise = now.map_or(1.0, |(_, now)| variance / now);
-            let BeyondNoise { lasting, passing, hidden } = of.beyond_noise;
+            let BeyondNoise { lasting, passing, hidden, .. } = of.beyond_noise;
             let beyond = lasting + (passing + hidden) * of_noise;
             (variance * of.inflation + beyond).sqrt()
         };

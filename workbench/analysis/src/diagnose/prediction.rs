@@ -9,7 +9,7 @@ use replay::Replay;
 /// captive flight, which the calibration takes for bias.
 #[must_use]
 pub fn prediction(replay: &Replay<'_>, regressor: Regressor, coefficient: f64) -> Vec<(u64, f64)> {
-    let mut follower = Follower::knowing(replay.model(), regressor);
+    let mut follower = Follower::knowing(replay.model(), [regressor]);
     let mut predicted = Vec::new();
     let (mut sum_m, mut count) = (0.0, 0_u64);
     for input in replay.mission_inputs() {

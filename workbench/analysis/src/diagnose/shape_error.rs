@@ -57,8 +57,17 @@ fn exposure(problem: &Problem<'_>, noise: &Noise, kept: &[usize], added: &[usize
     Some(sums.into_iter().map(|sum| sum / length).collect())
 }
 
-/// The variance that the errors of the shapes of some columns give the last one's coefficient, in its unit
-/// squared. `None` where they cannot be told apart.
+/// A variance of an effect's coefficient, in its unit squared, by where it comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ByOrigin {
+    /// The effect itself: a share of its coefficient, which vanishes where the effect does not act.
+    pub own: f64,
+    /// The other effects, which remain where this one does not act.
+    pub others: f64,
+}
+
+/// The variance that the errors of the shapes of some columns give the last one's coefficient. `None` where
+/// they cannot be told apart.
 ///
 /// The coefficient is the residual along what the others leave of the column, `x`, over the squares of `x`.
 /// So the error of a shape moves it by `e x / (x x)`, of which the module's bound holds along `x`. Where one
@@ -69,7 +78,7 @@ pub fn variance_of_coefficient(
     suspects: &Suspects<'_>,
     noise: &Noise,
     columns: &[usize],
-) -> Option<f64> {
+) -> Option<ByOrigin> {
     let normal = Normal::new(problem, noise, columns.to_vec());
     let all: Vec<usize> = (0..columns.len()).collect();
     let put = normal.information.solve(&all)?.coefficients;
@@ -78,7 +87,9 @@ pub fn variance_of_coefficient(
     own.push(1.0);
     let (length, sums) = normal.exposed(problem, noise, others, own, &put)?;
     let shapes = normal.picks.iter().zip(sums).map(|(column, sum)| suspects.shape(*column) * sum);
-    Some(shapes.sum::<f64>() / (length * length))
+    let mut shapes: Vec<f64> = shapes.map(|shape| shape / (length * length)).collect();
+    let own = shapes.pop()?;
+    Some(ByOrigin { own, others: shapes.into_iter().sum() })
 }
 
 /// The normal equations of some picks.
@@ -322,7 +333,11 @@ mod tests {
 
     /// The relative variance that the first column's coefficient has by errors of shapes, with shares of one
     /// in a hundred. It is the last of these columns.
-    fn relative_variance(first: impl Fn(u32) -> f64, second: impl Fn(u32) -> f64, columns: &[usize]) -> f64 {
+    fn relative_variance(
+        first: impl Fn(u32) -> f64,
+        second: impl Fn(u32) -> f64,
+        columns: &[usize],
+    ) -> ByOrigin {
         let candidates = [EffectId::BaroLag, EffectId::BaroScale]
             .map(|id| Candidate::of(Regressor { id, time_constant_s: 0.0, since: Clock::Launch }));
         let bounds =
@@ -337,7 +352,8 @@ mod tests {
         let variance = with(two_columns(BARO, first, second), |problem| {
             variance_of_coefficient(problem, &suspects, &noise(NONE_M), columns)
         });
-        variance.unwrap() / 9.0
+        let ByOrigin { own, others } = variance.unwrap();
+        ByOrigin { own: own / 9.0, others: others / 9.0 }
     }
 
     /// An effect that is spread evenly has a tenth of `S`; one in a single tenth has all of it.
@@ -345,10 +361,11 @@ mod tests {
     fn a_coefficient_is_uncertain_by_its_shape() {
         let none = |_| 0.0;
         let even = relative_variance(kept, none, &[0]);
-        assert!((even - 0.01 / 10.0).abs() < 1e-5, "{even}");
+        assert_eq!(even.others, 0.0);
+        assert!((even.own - 0.01 / 10.0).abs() < 1e-5, "{even:?}");
         let within = |block: u32| if (36..48).contains(&block) { kept(block) } else { 0.0 };
         let one = relative_variance(within, none, &[0]);
-        assert!((one - 0.01).abs() < 1e-4, "{one}");
+        assert!((one.own - 0.01).abs() < 1e-4, "{one:?}");
     }
 
     /// Beside a column that is like it in half of the flight, the two halves show the coefficient by 1 : 5, and
@@ -357,8 +374,10 @@ mod tests {
     fn a_coefficient_is_more_uncertain_beside_a_column_like_it() {
         let like = |block| if block < 60 { kept(block) } else { added(block) };
         let beside = relative_variance(kept, like, &[1, 0]);
-        let expected = 0.01 / 10.0 * 4.0 / 3.0 * (1.0 + (0.2_f64 / 3.0).powi(2));
-        assert!((beside / expected - 1.0).abs() < 1e-4, "{beside} {expected}");
+        let expected = 0.01 / 10.0 * 4.0 / 3.0;
+        assert!((beside.own / expected - 1.0).abs() < 1e-4, "{beside:?} {expected}");
+        let expected = expected * (0.2_f64 / 3.0).powi(2);
+        assert!((beside.others / expected - 1.0).abs() < 1e-4, "{beside:?} {expected}");
     }
 
     /// All of the effect lies in the fourth tenth, where half of the direction lies; the other half lies in

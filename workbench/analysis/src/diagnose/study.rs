@@ -1,10 +1,11 @@
 //! A diagnosis that ends in a learning problem.
 
 use executor::Executor;
-use kf_core::effect::Regressor;
+use kf_core::effect::{Clock, EffectId, Regressor};
 
 use super::diagnosis::Diagnosis;
 use super::learning_problem::LearningProblem;
+use super::low_pass::LowPassDelay;
 use super::named_replay::NamedReplay;
 use super::wanted_effect::{Tried, WantedEffect};
 use super::work::{Work, judged};
@@ -12,7 +13,8 @@ use crate::progress::{Cancelled, Progress, step};
 
 /// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
 /// learned from. A time constant is refined between those of the diagnosis' grid, together with the effects
-/// that the diagnosis found. There is no problem where the flights lack its signals ([`Diagnosis::untested`])
+/// that the diagnosis found, and so is that of a delay which acts as a low pass, if the model defines one
+/// ([`LowPassDelay`]). There is no problem where the flights lack its signals ([`Diagnosis::untested`])
 /// or its regressor does not move in them.
 ///
 /// # Errors
@@ -55,19 +57,35 @@ pub fn study_remembering(
     let diagnosis = work.diagnosis().clone();
     let Some(problem) = work.problem(wanted.effect, executor) else { return Ok((diagnosis, None)) };
     step(progress)?;
+    let mut refined = |Regressor { id, time_constant_s, since }| {
+        let tried = Tried {
+            wanted: WantedEffect { effect: id, since: Some(since), ..wanted },
+            time_constants_s: &FINER.map(|factor| factor * time_constant_s),
+            others: Some(&work.others(&problem)),
+        };
+        work.refined(flights, hold_outs, tried, progress, executor)
+    };
+    if let Some(regressor) = low_pass(flights, wanted.effect, problem.low_pass_s) {
+        return Ok((diagnosis, refined(regressor)?));
+    }
     let fitted = problem.terms.first().map(|term| term.regressor);
     let finer = match fitted.filter(|_| time_constants_s.is_empty() && wanted.effect.has_time_constant()) {
-        Some(Regressor { time_constant_s, since, .. }) => {
-            let tried = Tried {
-                wanted: WantedEffect { since: Some(since), ..wanted },
-                time_constants_s: &FINER.map(|factor| factor * time_constant_s),
-                others: Some(&work.others(&problem)),
-            };
-            work.refined(flights, hold_outs, tried, progress, executor)?
-        }
+        Some(regressor) => refined(regressor)?,
         None => None,
     };
     Ok((diagnosis, Some(finer.unwrap_or(problem))))
+}
+
+/// A delay with this time constant as the low pass that the flights' model defines.
+fn low_pass(
+    flights: &[NamedReplay<'_>],
+    effect: EffectId,
+    time_constant_s: Option<f64>,
+) -> Option<Regressor> {
+    let (delay, time_constant_s) = (LowPassDelay::of(effect)?, time_constant_s? as f32);
+    let defined = flights.first()?.replay.model().definitions();
+    let id = defined.iter().copied().find(|defined| delay.is(*defined))?;
+    Some(Regressor { id, time_constant_s, since: Clock::Launch })
 }
 
 /// Time constants between those of the diagnosis' grid, as factors: between two a tenth apart, an exponential

@@ -40,8 +40,6 @@ impl Tried<'_> {
 impl WantedEffect {
     /// Keeps only the wanted ones of the effect's candidates, with these time constants if there are any.
     pub(super) fn narrow(&self, candidates: &mut Vec<Candidate>, time_constants_s: &[f32]) {
-        // The core supports only the catalogue's own shape of an effect.
-        candidates.retain(|candidate| candidate.effect() != self.effect || candidate.is_catalogues());
         if !self.effect.has_time_constant() {
             return;
         }
@@ -100,13 +98,12 @@ mod tests {
         candidates.into_iter().map(facts).collect()
     }
 
-    /// Of the wanted effect, the smoothed shapes and those of another clock are removed; of the other effects
-    /// nothing is removed.
+    /// Of the wanted effect, those of another clock are removed; its shapes, and the other effects, are what a
+    /// diagnosis tries.
     #[test]
     fn only_what_is_wanted_of_the_effect_is_kept() {
         let lag = narrowed(EffectId::BaroLag, None, &[]);
-        assert_eq!(lag.len(), 5);
-        assert!(lag.iter().all(|(.., delay)| *delay == DelayShape::Slope));
+        assert_eq!(lag.len(), 6);
         let warm_up = narrowed(EffectId::BaroWarmUp, Some(Clock::Start), &[]);
         assert_eq!(warm_up.iter().filter(|(effect, ..)| *effect == EffectId::BaroWarmUp).count(), 1);
         assert_eq!(warm_up.iter().filter(|(effect, ..)| *effect == EffectId::BaroLag).count(), 2);

@@ -126,8 +126,8 @@ pub struct Work {
 
 impl Work {
     /// Whether a study of this effect, with the catalogue's time constants if it has one, would repeat
-    /// exactly this work. It would not where it has shapes of its own to try, or where the model had the
-    /// effect already.
+    /// exactly this work. It would not where it has time constants of its own to try, or where the model had
+    /// the effect already.
     pub(super) fn serves(&self, wanted: WantedEffect) -> bool {
         let candidates = &self.prepared.candidates;
         let mut narrowed = candidates.clone();

@@ -33,6 +33,14 @@ pub enum AddError {
         /// The flights.
         files: String,
     },
+    /// The model has the definition that this would write, with another formula.
+    #[error("the model defines {id} by another formula than {regressor}; give that definition another id")]
+    DefinedOtherwise {
+        /// The definition's id.
+        id: &'static str,
+        /// Its formula.
+        regressor: &'static str,
+    },
     /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

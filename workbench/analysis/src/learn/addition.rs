@@ -10,12 +10,15 @@ use time::Date;
 
 use super::add_error::AddError;
 use super::concerns::{JudgedOn, concerns, doubts, undecided};
-use super::document::{RevisionErrors, with_effect, with_revision};
+use super::document::{RevisionErrors, decimal, with_effect, with_low_pass, with_revision, without_effect};
 use super::filter::learn;
 use crate::name::Name;
 
 use super::score::{Scorer, Scores, SensorScore, flown, pooled_rms_m};
-use crate::diagnose::{HeldOutVerdict, NamedReplay, WantedEffect, Work, envelope_m, study_remembering};
+use crate::diagnose::{
+    HeldOutVerdict, LowPassDelay, NamedReplay, WantedEffect, Work, envelope_m, is_same_effect,
+    study_remembering,
+};
 use crate::progress::{Progress, step};
 use executor::Executor;
 use flight_data::Flight;
@@ -85,6 +88,9 @@ pub struct Addition {
     pub version: u32,
     /// Its id.
     pub effect: Name,
+    /// The catalogue's effect of which it is another form: a delay that acts as a low pass is written as one,
+    /// by a definition in the model.
+    pub instead_of: Option<Name>,
     /// The learned coefficient, as it was written.
     pub coefficient: f32,
     /// Its sigma.
@@ -172,9 +178,14 @@ pub fn add_remembering(
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
 ) -> Result<Addition, AddError> {
-    let id = request.wanted.effect;
+    // A delay that a model defines as a low pass is the catalogue's, in the shape that it has.
+    let delay = LowPassDelay::of(request.wanted.effect);
+    let id = delay.map_or(request.wanted.effect, |delay| delay.catalogues);
+    let wanted = WantedEffect { effect: id, ..request.wanted };
     let before = Model::parse(request.text)?;
-    let old = before.effects.iter().find(|effect| effect.term.id() == id).cloned();
+    let defining =
+        delay.map_or_else(|| Ok(request.text.to_owned()), |delay| defining(request.text, delay))?;
+    let old = before.effects.iter().find(|effect| is_same_effect(effect.term.id(), id)).cloned();
     for NamedFlight { file, flight, .. } in request.learning.iter().chain(&request.held_out) {
         let columns = missing_columns(flight, id);
         if !columns.is_empty() {
@@ -182,8 +193,8 @@ pub fn add_remembering(
         }
     }
 
-    let mut without = before.clone();
-    without.effects.retain(|effect| effect.term.id() != id);
+    let mut without = Model::parse(&defining)?;
+    without.effects.retain(|effect| !is_same_effect(effect.term.id(), id));
     let flown = |flights| replays(flights, &without, Replay::calibrated_or_not);
     let (flown_learning, flown_held_out) = (flown(&request.learning)?, flown(&request.held_out)?);
     let not_flown = not_flown(flown_learning.iter().chain(&flown_held_out));
@@ -192,8 +203,7 @@ pub fn add_remembering(
     let learning = replays(&request.learning, &without, Replay::to_diagnose)?;
     let held_out = replays(&request.held_out, &without, Replay::to_diagnose)?;
     let work = remembered.work.filter(|_| old.is_none());
-    let (diagnosis, problem) =
-        study_remembering(work, &learning, &held_out, request.wanted, progress, executor)?;
+    let (diagnosis, problem) = study_remembering(work, &learning, &held_out, wanted, progress, executor)?;
     let files = || {
         let names: Vec<&str> = request.learning.iter().map(|named| named.file.as_str()).collect();
         names.join(", ")
@@ -201,6 +211,9 @@ pub fn add_remembering(
     let problem = problem.ok_or_else(|| AddError::NotExcited { effect: id.name(), files: files() })?;
     let learned = learn(&problem)?;
     let regressor = problem.terms.first().map_or_else(|| Regressor::new(id), |term| term.regressor);
+    let text = if regressor.id == id { request.text } else { defining.as_str() };
+    let other_form = old.as_ref().map(|old| old.term.id()).filter(|old| *old != regressor.id);
+    let text = other_form.map_or_else(|| Ok(text.to_owned()), |old| without_effect(text, old.name()))?;
 
     // Digits beyond a hundredth of sigma are noise.
     let term = EffectTerm {
@@ -215,7 +228,7 @@ pub fn add_remembering(
         learned_from: Some(files()),
         date: Some(request.date.to_string()),
     };
-    let text = with_effect(request.text, &effect, request.date)?;
+    let text = with_effect(&text, &effect, request.date)?;
     let after = Model::parse(&text)?;
 
     let mut changes = |flights: &[NamedFlight<'_>], flown: &[NamedReplay<'_>]| {
@@ -245,12 +258,13 @@ pub fn add_remembering(
     let text = with_revision(&text, revision, &effect, request.date, replaced_coefficient, &errors)?;
     // The new text must be a valid model, and this one.
     let warnings = Model::parse(&text)?.warnings();
-    let concerns = concerns(&diagnosis, &effect, learned.sigma_to_zero, judged_on, judged_m, &verdict);
+    let concerns = concerns(&diagnosis, id, &effect, learned.sigma_to_zero, judged_on, judged_m, &verdict);
     let remarks = doubts(&diagnosis, id).into_iter().chain(undecided(judged_on, &verdict)).chain(not_flown);
-    let has_time = id.has_time_constant();
+    let has_time = regressor.id.has_time_constant();
     Ok(Addition {
         version: Addition::VERSION,
-        effect: id.name().into(),
+        effect: regressor.id.name().into(),
+        instead_of: (regressor.id != id).then(|| id.name().into()),
         coefficient: term.coefficient,
         sigma: term.sigma,
         unit: id.unit().into(),
@@ -260,7 +274,7 @@ pub fn add_remembering(
         held_out_verdict: verdict,
         learning_rms_m,
         diagnosed: [problem.facts.coefficient, problem.facts.sigma],
-        time_constant_s: has_time.then(|| f64::from(regressor.time_constant_s)),
+        time_constant_s: has_time.then(|| decimal(regressor.time_constant_s)),
         since: has_time.then(|| regressor.since.name().into()),
         envelope_m: term.envelope_m,
         estimate: effect.estimate,
@@ -272,6 +286,17 @@ pub fn add_remembering(
         warnings: warnings.into_iter().chain(remarks).collect(),
         text,
     })
+}
+
+/// A model's text that also defines a delay as a low pass.
+fn defining(text: &str, delay: LowPassDelay) -> Result<String, AddError> {
+    let defining = with_low_pass(text, delay)?;
+    let ours = Model::parse(&with_low_pass("", delay)?)?.definitions().to_vec();
+    // The one in the text may be the user's own, of another formula.
+    let is_ours = Model::parse(&defining)?.definitions().iter().any(|id| ours.contains(id));
+    is_ours
+        .then_some(defining)
+        .ok_or(AddError::DefinedOtherwise { id: delay.id, regressor: LowPassDelay::REGRESSOR })
 }
 
 /// A number rounded to a hundredth of the first digit of its sigma.

@@ -22,9 +22,10 @@ pub enum JudgedOn {
     HeldOutManoeuvres,
 }
 
-/// The evidence against an effect.
+/// The evidence against an effect; `wanted` is its name in the diagnosis.
 pub(super) fn concerns(
     diagnosis: &Diagnosis,
+    wanted: EffectId,
     effect: &Effect,
     sigma_to_zero: f64,
     judged_on: JudgedOn,
@@ -33,11 +34,18 @@ pub(super) fn concerns(
 ) -> Vec<String> {
     let mut concerns = Vec::new();
     let term = &effect.term;
-    let name = term.id().name();
+    let name = wanted.name();
     let sigmas = f64::from(term.coefficient.abs()) / sigma_to_zero;
     if sigmas < SIGNIFICANT_SIGMAS || sigmas.is_nan() {
+        let is_identified =
+            diagnosis.sensors.values().any(|sensor| sensor.missing.iter().any(|other| other == name));
+        let what = if is_identified {
+            "these flights show that it acts, but not how large it is"
+        } else {
+            "these flights can't identify it"
+        };
         concerns.push(format!(
-            "these flights can't identify it: the coefficient {} is within {SIGNIFICANT_SIGMAS} sigma ({}) of zero",
+            "{what}: the coefficient {} is within {SIGNIFICANT_SIGMAS} sigma ({}) of zero",
             term.coefficient,
             super::addition::rounded(sigma_to_zero, sigma_to_zero)
         ));

@@ -5,6 +5,8 @@ use thiserror::Error;
 use time::Date;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value, value};
 
+use crate::diagnose::LowPassDelay;
+
 /// Why a model's text cannot be changed.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DocumentError {
@@ -60,6 +62,57 @@ pub fn with_effect(text: &str, effect: &Effect, date: Date) -> Result<String, Do
             fill(&mut table, effect, date);
             append(effects, table, &trailing, text.trim().is_empty());
         }
+    }
+    Ok(document.to_string())
+}
+
+/// The text with a delay defined as a low pass, unless it has that definition.
+///
+/// # Errors
+/// See [`DocumentError`].
+pub fn with_low_pass(text: &str, delay: LowPassDelay) -> Result<String, DocumentError> {
+    let mut document = parse(text)?;
+    let key = "effect_definition";
+    let is_it = |table: &dyn TableLike| table.get("id").and_then(Item::as_str) == Some(delay.id);
+    if let Some(array) = inline_tables(&mut document, key) {
+        if !array.iter().any(|table| table.as_inline_table().is_some_and(|table| is_it(table))) {
+            let mut table = InlineTable::new();
+            define(&mut table, delay);
+            append_inline(array, table);
+        }
+        return Ok(document.to_string());
+    }
+    let trailing = take_trailing(&mut document, true);
+    let definitions = tables(&mut document, key)?;
+    if definitions.iter().any(|table| is_it(table)) {
+        return Ok(text.to_owned());
+    }
+    let mut table = Table::new();
+    define(&mut table, delay);
+    append(definitions, table, &trailing, text.trim().is_empty());
+    Ok(document.to_string())
+}
+
+fn define(table: &mut dyn TableLike, delay: LowPassDelay) {
+    set(table, "id", delay.id);
+    set(table, "on", delay.on);
+    set(table, "regressor", LowPassDelay::REGRESSOR);
+    set(table, "unit", delay.catalogues.unit());
+    set(table, "plausible", Array::from_iter(delay.catalogues.plausible().map(decimal)));
+    set(table, "about", format!("{} as a low pass, by `pylon add`", delay.catalogues.name()));
+}
+
+/// The text without an effect.
+///
+/// # Errors
+/// See [`DocumentError`].
+pub fn without_effect(text: &str, id: &str) -> Result<String, DocumentError> {
+    let mut document = parse(text)?;
+    let has_id = |table: &dyn TableLike| table.get("id").and_then(Item::as_str) == Some(id);
+    if let Some(array) = inline_tables(&mut document, "effect") {
+        array.retain(|table| !table.as_inline_table().is_some_and(|table| has_id(table)));
+    } else {
+        tables(&mut document, "effect")?.retain(|table| !has_id(table));
     }
     Ok(document.to_string())
 }
@@ -232,7 +285,7 @@ fn set(table: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
 }
 
 /// The shortest decimal number that equals this one in single precision.
-fn decimal(single: f32) -> f64 {
+pub(super) fn decimal(single: f32) -> f64 {
     single.to_string().parse().unwrap_or_else(|_| f64::from(single))
 }
 
@@ -250,6 +303,33 @@ mod tests {
     use time::Month;
 
     use super::*;
+
+    /// A definition is written once, among tables and among inline tables, and what was there stays.
+    #[test]
+    fn a_low_pass_is_defined_once() {
+        let delay = LowPassDelay::of(EffectId::BaroLag).unwrap();
+        let own = "{ id = \"baro.flap\", on = \"baro\", regressor = \"tas_mps\", unit = \"s\", plausible = [0.0, 1.0] }";
+        let texts = ["", "# ours\nsettling_s = 5.0\n# end\n", &format!("effect_definition = [{own}]\n")];
+        for text in texts {
+            let once = with_low_pass(text, delay).unwrap();
+            assert_eq!(with_low_pass(&once, delay).unwrap(), once);
+            let names: Vec<&str> =
+                Model::parse(&once).unwrap().definitions().iter().map(|id| id.name()).collect();
+            assert_eq!(names.last(), Some(&"baro.low_pass_lag"), "{once}");
+            assert!(!text.starts_with('#') || once.contains("# ours") && once.contains("# end"), "{once}");
+        }
+    }
+
+    #[test]
+    fn an_effect_is_removed_and_the_others_stay() {
+        let tables = "[[effect]]\nid = \"baro.lag\"\ncoefficient = 1.0\n\n[[effect]]\nid = \"baro.scale\"\ncoefficient = 0.1\n";
+        let inline = "effect = [{ id = \"baro.lag\", coefficient = 1.0 }, { id = \"baro.scale\", coefficient = 0.1 }]\n";
+        for text in [tables, inline] {
+            let without = Model::parse(&without_effect(text, "baro.lag").unwrap()).unwrap();
+            let left: Vec<EffectId> = without.effects.iter().map(|effect| effect.term.id()).collect();
+            assert_eq!(left, [EffectId::BaroScale]);
+        }
+    }
 
     fn effect(coefficient: f32) -> Effect {
         let term = EffectTerm {

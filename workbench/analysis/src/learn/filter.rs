@@ -37,7 +37,8 @@ pub struct Learned {
     pub filter_sigma: f64,
     /// One sigma of it, including its spread over the parts of the flights and its signals' scale errors.
     pub sigma: f64,
-    /// The same without what the noise of its signals may have hidden: how far it is from zero.
+    /// The same without what is a share of the coefficient itself, for how far it is from zero: where the effect
+    /// does not act, that share is nothing.
     pub sigma_to_zero: f64,
 }
 
@@ -88,7 +89,7 @@ fn sized<const STATES: usize>(problem: &LearningProblem, terms: usize) -> Result
         coefficient,
         filter_sigma: variance.sqrt(),
         sigma: squares.sqrt(),
-        sigma_to_zero: (squares - problem.hidden).sqrt(),
+        sigma_to_zero: (squares - problem.relative).sqrt(),
     })
 }
 

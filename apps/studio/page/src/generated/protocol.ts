@@ -100,6 +100,11 @@ version: number,
  */
 effect: string, 
 /**
+ * The catalogue's effect of which it is another form: a delay that acts as a low pass is written as one,
+ * by a definition in the model.
+ */
+instead_of: string | null, 
+/**
  * The learned coefficient, as it was written.
  */
 coefficient: number, 

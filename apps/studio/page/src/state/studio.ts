@@ -203,7 +203,7 @@ export function accept(answer: Added): void {
     models.value = [...models.value, answer.model];
     added.value = answer.headline;
     doubted.value = null;
-    const subject = guides.value.get(answer.addition.effect)?.subject;
+    const subject = guides.value.get(answer.addition.instead_of ?? answer.addition.effect)?.subject;
     if (subject !== undefined && shown.value?.opened.sensors.includes(subject)) sensor.value = subject;
   });
 }

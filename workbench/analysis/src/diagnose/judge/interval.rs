@@ -13,7 +13,7 @@ use crate::diagnose::information::Solution;
 use crate::diagnose::offset_acceleration;
 use crate::diagnose::rivals::price;
 use crate::diagnose::roughness::{scale, unsteadiness};
-use crate::diagnose::shape_error;
+use crate::diagnose::shape_error::{self, ByOrigin};
 use crate::diagnose::weigher::POWER;
 
 /// Variance over a step of the grid of time constants, all of which are equally probable, in squared steps.
@@ -33,9 +33,12 @@ pub(in crate::diagnose) struct BeyondNoise {
     /// What is another error in every part of every flight, so that further flights reduce it as they reduce
     /// the noise.
     pub(in crate::diagnose) passing: f64,
-    /// What the noise of its signals may have hidden of it. The coefficient is larger by it, never smaller, so
-    /// this is no reason to doubt that it differs from zero. A flight that shows more reduces it.
+    /// What the noise of its signals may have hidden of it: the coefficient is larger by it, never smaller. A
+    /// flight that shows more reduces it.
     pub(in crate::diagnose) hidden: f64,
+    /// The part of the sum that is a share of the coefficient itself. It vanishes where the effect does not
+    /// act, so it is no reason to doubt that the effect acts.
+    pub(in crate::diagnose) relative: f64,
 }
 
 impl BeyondNoise {
@@ -74,15 +77,20 @@ impl Judge<'_> {
         let own = Own { column, columns: &columns, fit: &fit };
         let effect = self.candidates[column].effect();
         let unsteadiness = unsteadiness(effect, self.has_climb_rate);
-        let lasting = (scale(self.epochs, effect) * own.coefficient()).powi(2)
-            + unsteadiness * unsteadiness
-            + self.of_its_columns(findings, &own);
-        let passing = if self.has_climb_rate {
-            self.of_shapes(findings, &own) + self.of_effects_not_chosen(findings, &own)
+        let its_own =
+            (scale(self.epochs, effect) * own.coefficient()).powi(2) + self.of_its_columns(findings, &own);
+        let (shapes, not_chosen) = if self.has_climb_rate {
+            (self.of_shapes(findings, &own), self.of_effects_not_chosen(findings, &own))
         } else {
-            0.0
+            (ByOrigin::default(), 0.0)
         };
-        BeyondNoise { lasting, passing, hidden: self.of_signal_noise(findings, &own) }
+        let hidden = self.of_signal_noise(findings, &own);
+        BeyondNoise {
+            lasting: its_own + unsteadiness * unsteadiness,
+            passing: shapes.own + shapes.others + not_chosen,
+            hidden,
+            relative: its_own + shapes.own + hidden,
+        }
     }
 
     /// The noise of the column's own signals, by which the coefficient is too small: in level flight, an
@@ -101,13 +109,18 @@ impl Judge<'_> {
 
     /// Errors of the shapes, and a constant error of the forward acceleration. Columns that cannot be told
     /// apart have no fit, so both variances exist.
-    fn of_shapes(&self, findings: &Findings, own: &Own<'_>) -> f64 {
+    fn of_shapes(&self, findings: &Findings, own: &Own<'_>) -> ByOrigin {
         let noise = &findings.explanation.fit.noise;
         let of_shapes = shape_error::variance_of_coefficient(self.problem, self.suspects, noise, own.columns);
         let effects = own.columns.iter().map(|column| self.candidates[*column].effect());
         let effects: Vec<_> = effects.zip(own.fit.coefficients.iter().copied()).collect();
         let of_acceleration = offset_acceleration::variance(self.problem, noise, own.columns, &effects);
-        OF_THE_BOUND * of_shapes.unwrap_or(0.0) + of_acceleration.unwrap_or(0.0)
+        let (of_shapes, of_acceleration) =
+            (of_shapes.unwrap_or_default(), of_acceleration.unwrap_or_default());
+        ByOrigin {
+            own: OF_THE_BOUND * of_shapes.own + of_acceleration.own,
+            others: OF_THE_BOUND * of_shapes.others + of_acceleration.others,
+        }
     }
 
     /// Other columns of the same effect, each as probable as it fits well, with the coefficient that it would

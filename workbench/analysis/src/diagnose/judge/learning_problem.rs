@@ -5,10 +5,12 @@ use kf_core::effect::EffectId;
 use super::{Findings, Judge, with};
 use crate::diagnose::evidence::{self, Fitted};
 use crate::diagnose::learning_problem::{LearningProblem, Nuisance, Term};
+use crate::diagnose::low_pass::LowPassDelay;
 use crate::diagnose::noise::Noise;
 use crate::diagnose::posterior::Posterior;
 use crate::diagnose::repeatability::repeatability;
 use crate::diagnose::search::{Explanation, Search};
+use crate::diagnose::signal_errors::SignalError;
 use crate::diagnose::suspects::White;
 use crate::progress::{Cancelled, Progress, step};
 
@@ -27,7 +29,13 @@ impl Judge<'_> {
         let is_wanted = |column: &usize| self.candidates[*column].effect() == effect;
         let found = findings.explanation.columns.iter().copied().find(is_wanted);
         let (findings, column) = match found {
-            Some(column) => (findings, column),
+            // The flight computer has no signal but the measured one.
+            Some(column) if self.candidates[column].signal == SignalError::default() => (findings, column),
+            Some(column) => {
+                let columns = &findings.explanation.columns;
+                let others = columns.iter().copied().filter(|other| *other != column).collect();
+                self.with_best(search, findings, others, effect)?
+            }
             None => self.beside_the_others(search, findings, effect)?,
         };
         self.problem_of(&findings, column)
@@ -107,8 +115,9 @@ impl Judge<'_> {
             terms: free.chain(known).collect(),
             wind: wind.try_into().ok(),
             inflation,
+            low_pass_s: LowPassDelay::time_constant_s(self.candidates[column].delay, facts.coefficient),
             beyond_noise: beyond_noise.sum(),
-            hidden: beyond_noise.hidden,
+            relative: beyond_noise.relative,
             facts,
             folds,
             held_out,
@@ -122,13 +131,28 @@ impl Judge<'_> {
         findings: Findings,
         effect: EffectId,
     ) -> Option<(Findings, usize)> {
-        let is_wanted = |column: &usize| self.candidates[*column].effect() == effect;
         let replaced = |column: &usize| {
             let of_column = findings.rivals.iter().filter(|rivals| rivals.column == *column);
             of_column.flat_map(|rivals| self.set(rivals).effects).any(|(other, _)| other == effect)
         };
-        let others: Vec<usize> =
+        let others =
             findings.explanation.columns.iter().copied().filter(|column| !replaced(column)).collect();
+        self.with_best(search, findings, others, effect)
+    }
+
+    /// The findings with the best column of an effect that is made of the signals as they are, beside others,
+    /// and that column. It has shown no shape but the catalogue's.
+    fn with_best(
+        &self,
+        search: &mut Search<'_>,
+        findings: Findings,
+        others: Vec<usize>,
+        effect: EffectId,
+    ) -> Option<(Findings, usize)> {
+        let is_wanted = |column: &usize| {
+            let candidate = &self.candidates[*column];
+            candidate.effect() == effect && candidate.is_catalogues()
+        };
         let wanted: Vec<usize> = self.suspects.usable().iter().copied().filter(is_wanted).collect();
         let fits = wanted.into_iter().map(|column| {
             let columns = with(&others, column);
