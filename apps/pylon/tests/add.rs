@@ -383,10 +383,17 @@ fn a_lag_behind_a_tube_is_added_as_a_low_pass() {
     for flights in ["learning", "held_out"] {
         assert!(on(flights, "after") < 0.25 * on(flights, "before"), "{added}");
     }
-    run(&["add", "baro.low_pass_lag", "--model", "ours.toml", "--from", "first.csv"]);
-    let model = Model::parse(&fs::read_to_string(folder.path().join("ours.toml")).unwrap()).unwrap();
-    let names: Vec<&str> = model.effects.iter().map(|effect| effect.term.id().name()).collect();
-    assert_eq!(names, ["baro.low_pass_lag"]);
+    let again = ["add", "baro.low_pass_lag", "--model", "ours.toml", "--from", "first.csv"];
+    let regressors = || {
+        let model = Model::parse(&fs::read_to_string(folder.path().join("ours.toml")).unwrap()).unwrap();
+        let of = |effect: &model::Effect| (effect.term.id().name(), effect.term.regressor.time_constant_s);
+        model.effects.iter().map(of).collect::<Vec<_>>()
+    };
+    run(&[&again[..], &["--time-constant", "2.0"]].concat());
+    assert_eq!(regressors(), [("baro.low_pass_lag", 2.0)]);
+    run(&again);
+    let [("baro.low_pass_lag", time_constant_s)] = regressors()[..] else { panic!("{:?}", regressors()) };
+    assert!((time_constant_s - 3.0).abs() < 0.5, "{time_constant_s}");
     let text = run(&["diagnose", "next.csv", "--model", "ours.toml"]);
     assert!(!text.contains("pylon add"), "{text}");
 }

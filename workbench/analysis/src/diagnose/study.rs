@@ -58,14 +58,17 @@ pub fn study_remembering(
     let Some(problem) = work.problem(wanted.effect, executor) else { return Ok((diagnosis, None)) };
     step(progress)?;
     let mut refined = |Regressor { id, time_constant_s, since }| {
+        let finer = FINER.map(|factor| factor * time_constant_s);
         let tried = Tried {
             wanted: WantedEffect { effect: id, since: Some(since), ..wanted },
-            time_constants_s: &FINER.map(|factor| factor * time_constant_s),
+            time_constants_s: if time_constants_s.is_empty() { &finer } else { &time_constants_s },
             others: Some(&work.others(&problem)),
         };
         work.refined(flights, hold_outs, tried, progress, executor)
     };
-    if let Some(regressor) = low_pass(flights, wanted.effect, problem.low_pass_s) {
+    // A time constant that is asked for makes any delay a low pass.
+    let low_pass_s = wanted.time_constant_s.map(f64::from).or(problem.low_pass_s);
+    if let Some(regressor) = low_pass(flights, wanted.effect, low_pass_s) {
         return Ok((diagnosis, refined(regressor)?));
     }
     let fitted = problem.terms.first().map(|term| term.regressor);
