@@ -41,7 +41,7 @@ Examples:
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
     /// The effect's id, as `pylon diagnose` names it: from the catalogue, or from the model's own
-    /// [[effect_definition]]s
+    /// [[effect_definition]]s. A lag or latency that acts as a low pass is written as one, defined in the model
     #[arg(value_name = "EFFECT")]
     effect: String,
     /// The model file to change (an empty file is a model); with -o also `default` or `paper`
