@@ -200,7 +200,9 @@ fn time_constants_are_given_or_found_and_written() {
     let found = json(directory, &settling);
     let constant_s = found["time_constant_s"].as_f64().unwrap();
     assert!((10.0..=90.0).contains(&constant_s), "the grid's neighbours of 30 s: {found}");
-    assert_eq!(f64::from(read().term.regressor.time_constant_s), constant_s);
+    // The file and the results have the same decimal number.
+    assert_eq!(read().term.regressor.time_constant_s, constant_s as f32);
+    assert!(model_text(directory).contains(&format!("time_constant_s = {constant_s}\n")), "{found}");
     let text = stdout(directory, &settling);
     assert!(text.contains("time constant") && text.contains("since the first tick"), "{text}");
 }
