@@ -376,7 +376,7 @@ fn a_lag_behind_a_tube_is_added_as_a_low_pass() {
     assert_eq!(added["instead_of"], "baro.lag");
     let number = |key: &str| added[key].as_f64().unwrap();
     assert!((number("coefficient") - 3.0).abs() < 4.0 * number("sigma"), "{added}");
-    // The catalogue's lag leaves more than half of the error here; white noise of 0.3 m on both is left.
+    // The catalogue's lag leaves more than half of the error here, and the noise is a twentieth of it.
     let on = |flights: &str, when: &str| {
         added[flights][0]["sensors"]["baro"][when]["free_flight_rms_m"].as_f64().unwrap()
     };
@@ -396,6 +396,20 @@ fn a_lag_behind_a_tube_is_added_as_a_low_pass() {
     assert!((time_constant_s - 3.0).abs() < 0.5, "{time_constant_s}");
     let text = run(&["diagnose", "next.csv", "--model", "ours.toml"]);
     assert!(!text.contains("pylon add"), "{text}");
+    // A user's own formula under that id is an effect like any other, and is not overwritten.
+    let own = "[[effect_definition]]\nid = \"baro.low_pass_lag\"\non = \"baro\"\nregressor = \"-lowpass(climb_rate_mps, 3[s])\"\n\
+               unit = \"s\"\nplausible = [0.0, 5.0]\n";
+    fs::write(folder.path().join("own.toml"), own).unwrap();
+    let text = run(&["diagnose", "first.csv", "--model", "own.toml"]);
+    assert!(text.contains("baro.low_pass_lag"), "{text}");
+    let arguments = ["add", "baro.lag", "--model", "own.toml", "--from", "first.csv"];
+    let refused = pylon(folder.path()).args(arguments).output().unwrap();
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(
+        !refused.status.success() && said.contains("another formula") && said.contains("another id"),
+        "{said}"
+    );
+    assert_eq!(fs::read_to_string(folder.path().join("own.toml")).unwrap(), own);
 }
 
 #[test]

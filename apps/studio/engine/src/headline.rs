@@ -18,7 +18,7 @@ pub fn title(effect: &str) -> &str {
         "baro.sideslip" => "static-port error in sideslip",
         "baro.lag" => "pressure lag",
         "baro.low_pass_lag" => "pressure lag (a low pass)",
-        "gps.low_pass_latency" => "receiver's delay (a low pass)",
+        "gps.low_pass_latency" => "latency of the reference (a low pass)",
         "baro.scale" => "scale-factor error",
         "baro.temperature" => "temperature error",
         "baro.warm_up" => "warm-up drift",

@@ -1,10 +1,10 @@
 //! The catalogue's delays as low passes, defined by formula in a model.
 //!
 //! The catalogue's lag and latency are the climb rate itself, times the delay. That is right where the climb
-//! rate changes slowly. In a manoeuvre shorter than the delay it takes off what the late altitude does not
-//! show yet. So the coefficient that fits best is too small, and even that removes little of the error. A
-//! tube, or a receiver that filters, is a low pass (`delay.rs`), which the flight computer has as a formula.
-//! A pure delay is nearly one, too: the mean of the last d seconds is late by d/2.
+//! rate changes slowly. In a manoeuvre shorter than the delay, the late altitude is behind by less than that.
+//! So the coefficient that fits best is too small, and even that removes little of the error. A tube, or a
+//! receiver that filters, is a low pass (`delay.rs`), which the flight computer has as a formula. A pure delay
+//! is nearly one, too: the mean of the last d seconds is late by d/2.
 
 use kf_core::effect::EffectId;
 
@@ -36,10 +36,11 @@ impl LowPassDelay {
         Self::ALL.into_iter().find(|delay| delay.is(effect))
     }
 
-    /// Whether an effect is this delay, in either form.
+    /// Whether an effect is this delay, in either form. A user's own formula under the definition's id is not.
     #[must_use]
     pub fn is(self, effect: EffectId) -> bool {
-        effect == self.catalogues || effect.name() == self.id
+        let is_low_pass = || effect.formula().is_some_and(|parts| parts.law == Self::REGRESSOR);
+        effect == self.catalogues || effect.name() == self.id && is_low_pass()
     }
 
     /// The time constant, seconds, with which a delay of this shape and size is a low pass; `None` in the

@@ -291,9 +291,8 @@ pub fn add_remembering(
 /// A model's text that also defines a delay as a low pass.
 fn defining(text: &str, delay: LowPassDelay) -> Result<String, AddError> {
     let defining = with_low_pass(text, delay)?;
-    let ours = Model::parse(&with_low_pass("", delay)?)?.definitions().to_vec();
     // The one in the text may be the user's own, of another formula.
-    let is_ours = Model::parse(&defining)?.definitions().iter().any(|id| ours.contains(id));
+    let is_ours = Model::parse(&defining)?.definitions().iter().any(|id| delay.is(*id));
     is_ours
         .then_some(defining)
         .ok_or(AddError::DefinedOtherwise { id: delay.id, regressor: LowPassDelay::REGRESSOR })
