@@ -22,7 +22,7 @@ use crate::reference_check::Standing;
 use crate::sensor::{SENSORS, Sensor};
 
 /// Version of the layout: of this struct, of every type in it, and of the [`MissionMark`] that goes with it.
-pub const SNAPSHOT_VERSION: u8 = 9;
+pub const SNAPSHOT_VERSION: u8 = 10;
 /// Longest snapshot, bytes: two of them fit into the 4 KiB of an STM32F405's backup SRAM. Snapshots of the
 /// largest model fit, with windows of up to 2^14 samples a bin and a month after power-on
 /// (`mission::tests::resume`).

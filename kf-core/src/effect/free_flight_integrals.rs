@@ -54,6 +54,8 @@ pub(super) struct FreeFlightIntegrals {
     pub source: Option<AccelerationSource>,
     /// Horizontal speed that [`Self::forward`] has reached, m/s, where that is its source.
     integrated_speed_mps: Option<f32>,
+    /// Constant error of the accelerometers' forward acceleration, m/s^2.
+    forward_error_mps2: f32,
     pub vertical: DoubleIntegral,
     pub forward: DoubleIntegral,
     pub turning: DoubleIntegral,
@@ -62,6 +64,11 @@ pub(super) struct FreeFlightIntegrals {
 }
 
 impl FreeFlightIntegrals {
+    /// Integrals from zero, without this constant error of the accelerometers' forward acceleration, m/s^2.
+    pub(super) fn from_launch(forward_error_mps2: f32) -> Self {
+        Self { forward_error_mps2, ..Self::default() }
+    }
+
     /// Advances by one tick; false where a number overflowed and was not taken.
     pub(super) fn advance(&mut self, step: &Step<'_>) -> bool {
         let mut is_taken = true;
@@ -88,6 +95,7 @@ impl FreeFlightIntegrals {
         self.source = self.source.or_else(|| AccelerationSource::now(step.inertial, step.motion));
         match (self.source, forward_mps2) {
             (Some(AccelerationSource::Inertial), Some(forward_mps2)) => {
+                let forward_mps2 = forward_mps2 - self.forward_error_mps2;
                 self.forward.advance(step.seconds, forward_mps2)
                     & self.turning.advance(step.seconds, forward_mps2 * step.elapsed_s)
             }

@@ -9,6 +9,7 @@ mod barometer;
 mod catalogue;
 mod definition;
 mod formulas;
+mod forward_error;
 mod free_flight_integrals;
 mod inertial;
 mod inertial_altitude;

@@ -222,6 +222,73 @@ fn speed_over_ground_stands_in_for_an_inertial_unit() {
     assert_eq!(value(&tracker, EffectId::ImuAccelScale), None);
 }
 
+/// The tilt's regressor 60 s after launch, and the error of the forward acceleration that captive flight shows,
+/// of an aircraft at a constant airspeed in a wind. Its attitude reads 0.4 degrees too low a pitch and
+/// `heading_error_rad` too large a heading; the captive flight of 120 s turns at this many rad/s.
+fn with_a_wrong_pitch(turn_radps: f32, heading_error_rad: f32, has_heading: bool) -> (f32, (f32, f32)) {
+    const PITCH_ERROR_RAD: f32 = 0.007;
+    let mut tracker = SignalTracker::default();
+    for k in 0..=36_000_u32 {
+        let (time_us, time_s) = (u64::from(k) * 5_000, k as f32 * 0.005);
+        match k {
+            1_000 => tracker.begin_calibration(),
+            24_000 => tracker.begin_free_flight(time_us),
+            _ => {}
+        }
+        let heading_rad = turn_radps * time_s.min(120.0);
+        let fix = GpsFix {
+            velocity_north_mps: Some(25.0 * heading_rad.cos() + 6.0),
+            velocity_east_mps: Some(25.0 * heading_rad.sin() - 3.0),
+            ..FIX
+        };
+        // Wings level and turning flat: the specific force along the body is that of level flight.
+        let attitude_rad = [0.0, -PITCH_ERROR_RAD, heading_rad + heading_error_rad];
+        let input = TickInput {
+            imu: Some(ImuSample { accel_mps2: [0.0, 0.0, -9.80665], gyro_radps: [0.0; 3] }),
+            ..tick(
+                time_us,
+                Signals { attitude_rad: has_heading.then_some(attitude_rad), ..Signals::default() },
+            )
+        };
+        tracker.take(&input, (k % 40 == 0).then_some(&fix));
+    }
+    (value(&tracker, EffectId::ImuTilt).unwrap(), tracker.forward_error_mps2())
+}
+
+/// 0.007 rad lets 0.069 m/s^2 in, which 60 s after launch is 124 m. Captive flight of 115 s shows it with a
+/// sigma of 0.2 m/s over that time.
+#[test]
+fn captive_flight_shows_the_constant_error_of_the_forward_acceleration() {
+    let (tilt_m, (error_mps2, sigma_mps2)) = with_a_wrong_pitch(0.0, 0.0, true);
+    assert!((error_mps2 - 0.0687).abs() < 0.001, "{error_mps2}");
+    assert!((sigma_mps2 - 0.2 / 115.0).abs() < 1e-4, "{sigma_mps2}");
+    assert!(tilt_m.abs() < 2.0, "{tilt_m}");
+    // Half a circle in a wind: seven eighths of it, because the heading may be wrong.
+    let (tilt_m, _) = with_a_wrong_pitch(0.027, 0.0, true);
+    assert!((10.0..25.0).contains(&tilt_m), "{tilt_m}");
+}
+
+/// Circles let a part of the turn in through a wrong heading; the estimate then counts for less, and says so.
+#[test]
+fn a_wrong_heading_in_circles_is_not_taken_for_an_error_of_the_acceleration() {
+    // 25 m/s turning at 0.2 rad/s with 0.03 rad of error: 0.15 m/s^2, more than the error itself.
+    let (tilt_m, (error_mps2, sigma_mps2)) = with_a_wrong_pitch(0.2, -0.03, true);
+    assert!((0.03..0.043).contains(&sigma_mps2), "{sigma_mps2}");
+    // No worse than as measured, by more than a sigma.
+    assert!(
+        (error_mps2 - 0.0687).abs() < 0.0687 + sigma_mps2 && tilt_m.abs() < 200.0,
+        "{error_mps2} {tilt_m}"
+    );
+}
+
+/// A speed over ground has no such error, and nothing is subtracted from it.
+#[test]
+fn without_an_attitude_nothing_is_subtracted() {
+    let (tilt_m, (error_mps2, sigma_mps2)) = with_a_wrong_pitch(0.0, 0.0, false);
+    assert_eq!((tilt_m, error_mps2), (0.0, 0.0));
+    assert!(sigma_mps2 > 0.04);
+}
+
 fn finite() -> impl Strategy<Value = f32> {
     any::<u32>().prop_map(f32::from_bits).prop_filter("finite", |x| x.is_finite())
 }

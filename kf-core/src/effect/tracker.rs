@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::catalogue::Uses;
+use super::forward_error::ForwardError;
 use super::free_flight_integrals::{AccelerationSource, FreeFlightIntegrals, Step};
 use super::inertial::Inertial;
 use super::reference_motion::ReferenceMotion;
@@ -39,6 +40,8 @@ pub struct SignalTracker {
     /// `2 Omega cos(latitude)`, rad/s.
     eastward_radps: f32,
     first_us: Option<u64>,
+    /// Time of the last tick. A snapshot has it already.
+    #[serde(skip)]
     now_us: u64,
     launch_us: Option<u64>,
 
@@ -54,6 +57,9 @@ pub struct SignalTracker {
     origin_temperature: Origin,
     latched_airspeed_squared_m2ps2: Option<f32>,
 
+    /// Only of use before launch, and a snapshot is of free flight.
+    #[serde(skip)]
+    forward_error: ForwardError,
     integrals: FreeFlightIntegrals,
     /// The integrals could not be continued over a restart.
     integrals_lost: bool,
@@ -123,6 +129,7 @@ impl SignalTracker {
             origin_altitude: Origin::default(),
             origin_temperature: Origin::default(),
             latched_airspeed_squared_m2ps2: None,
+            forward_error: ForwardError::default(),
             integrals: FreeFlightIntegrals::default(),
             integrals_lost: false,
             refused: 0,
@@ -134,6 +141,7 @@ impl SignalTracker {
     pub fn begin_calibration(&mut self) {
         self.origin_altitude.is_due = true;
         self.origin_temperature.is_due = true;
+        self.forward_error = ForwardError::default();
     }
 
     /// Launch: `t` and the integrals are 0 at `time_us`, and the airspeed is latched (the first one from now
@@ -142,7 +150,8 @@ impl SignalTracker {
         self.launch_us = Some(time_us);
         self.now_us = self.now_us.max(time_us);
         self.latched_airspeed_squared_m2ps2 = self.airspeed_squared_m2ps2();
-        self.integrals = FreeFlightIntegrals::default();
+        let (forward_error_mps2, _) = self.forward_error.estimate_mps2();
+        self.integrals = FreeFlightIntegrals::from_launch(forward_error_mps2);
         self.inertial.restart();
     }
 
@@ -150,6 +159,11 @@ impl SignalTracker {
     pub(crate) fn is_for(&self, effects: impl IntoIterator<Item = EffectId>, latitude_deg: f32) -> bool {
         let fresh = Self::for_effects(effects, latitude_deg);
         fresh.uses == self.uses && fresh.eastward_radps.to_bits() == self.eastward_radps.to_bits()
+    }
+
+    /// Continues after the tick at this time, which a snapshot of the tracker does not contain.
+    pub(crate) fn continue_after(&mut self, time_us: u64) {
+        self.now_us = time_us;
     }
 
     /// The integrals have a gap of unknown effect: regressors computed from them are not available from now
@@ -165,6 +179,7 @@ impl SignalTracker {
         self.integrals_lost = false;
         self.latched_airspeed_squared_m2ps2 = None;
         self.integrals = FreeFlightIntegrals::default();
+        self.forward_error.interrupt();
         self.inertial.restart();
     }
 
@@ -207,7 +222,25 @@ impl SignalTracker {
             };
             let is_taken = self.integrals.advance(&step);
             self.count_unless(is_taken);
+        } else if self.uses.any_of(Uses::FORWARD) {
+            self.compare_forward(elapsed_s(from_us, self.now_us), fix.is_some());
         }
+    }
+
+    /// Measures the error of the forward acceleration in captive flight.
+    fn compare_forward(&mut self, seconds: f32, has_fix: bool) {
+        let accelerations = self.inertial.upward_and_forward_mps2();
+        self.forward_error.advance(seconds, accelerations.map(|[_, forward]| forward));
+        if let (true, Some(velocity_mps)) = (has_fix, self.motion.velocity_mps()) {
+            self.forward_error.take(velocity_mps);
+        }
+    }
+
+    /// The constant error of the forward acceleration that `imu.tilt` and `imu.gyro_bias` integrate, as far as
+    /// captive flight shows it, and its remaining sigma, m/s^2. From launch on, it is subtracted.
+    #[must_use]
+    pub fn forward_error_mps2(&self) -> (f32, f32) {
+        self.forward_error.estimate_mps2()
     }
 
     #[inline]
@@ -237,9 +270,12 @@ impl SignalTracker {
                 self.origin_temperature.see(temperature_c);
             }
         }
-        if let (true, Some([roll_rad, pitch_rad, _])) =
+        if let (true, Some([roll_rad, pitch_rad, yaw_rad])) =
             (self.uses.any_of(Uses::ATTITUDE), signals.attitude_rad)
         {
+            if self.uses.any_of(Uses::FORWARD) && self.launch_us.is_none() {
+                self.forward_error.turn_to(yaw_rad);
+            }
             let is_taken = self.inertial.take_attitude(roll_rad, pitch_rad);
             self.count_unless(is_taken);
         }

@@ -124,7 +124,7 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
             return Err(SnapshotError::OtherMission);
         }
         let cross_check = fields.cross_check()?;
-        self.read_signals(&mut fields)?;
+        self.read_signals(&mut fields, last_us)?;
         self.read_formulas(&mut fields, last_us)?;
         self.tracker = fields.tracker()?;
         self.tracker.interrupt();
@@ -182,8 +182,9 @@ impl<const HEAD: usize, const TAIL: usize, const E: usize> Mission<HEAD, TAIL, E
     }
 
     #[inline(never)]
-    fn read_signals(&mut self, fields: &mut Fields<'_>) -> Result<(), SnapshotError> {
+    fn read_signals(&mut self, fields: &mut Fields<'_>, last_us: u64) -> Result<(), SnapshotError> {
         self.signals = fields.signals()?;
+        self.signals.continue_after(last_us);
         Ok(())
     }
 

@@ -37,6 +37,13 @@ impl Candidate {
         *self == Self::of(self.regressor)
     }
 
+    /// Whether its signal errs by nothing that lasts from flight to flight.
+    #[must_use]
+    pub fn is_read_as_flown(&self) -> bool {
+        let SignalError { is_by_velocity, .. } = self.signal;
+        self.signal == SignalError { is_by_velocity, ..SignalError::default() }
+    }
+
     /// The effect.
     #[must_use]
     pub const fn effect(&self) -> EffectId {

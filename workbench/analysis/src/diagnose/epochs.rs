@@ -36,7 +36,9 @@ impl Epochs {
     /// The same flight with these columns only, in this order. Columns do not depend on each other.
     pub(super) fn of_columns(&self, places: &[usize]) -> Self {
         let Self { series, signals, signal_names, glitches, steps, unreferenced, refused, .. } = self;
-        let Series { time_s, fixes, free, residual_m, readings, block_s, full_block, .. } = series;
+        let Series {
+            time_s, fixes, free, residual_m, readings, block_s, full_block, forward_sigma_mps2, ..
+        } = series;
         let column = |place: &usize| series.columns.get(*place).cloned().unwrap_or_default();
         Self {
             series: Series {
@@ -48,6 +50,7 @@ impl Epochs {
                 readings: readings.clone(),
                 block_s: *block_s,
                 full_block: *full_block,
+                forward_sigma_mps2: *forward_sigma_mps2,
             },
             available: places.iter().filter_map(|place| self.available.get(*place).copied()).collect(),
             column_noise_m2: places

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use kf_core::atmosphere::pressure_altitude_m;
 use kf_core::config::ReferenceConfig;
 use kf_core::effect::{EffectId, Regressor, SignalTracker};
-use kf_core::input::{BaroReading, TickInput};
+use kf_core::input::{BaroReading, GpsFix, TickInput};
 use kf_core::plausible;
 use kf_core::reading::StuckDetector;
 use kf_core::reference::ReferenceTracker;
@@ -17,6 +17,7 @@ use model::Model;
 use super::candidates::Candidate;
 use super::delay::DelayedClimb;
 use super::formulas::Formulas;
+use super::forward_motion::ForwardMotion;
 use super::reference_path::Reference;
 
 /// Follows the ticks as the mission does: settling, calibration, free flight.
@@ -41,6 +42,7 @@ pub(super) struct Follower {
     launch: Option<LaunchClimb>,
     /// The last climb rates, m/s, from which the one at launch is averaged.
     recent_mps: VecDeque<(u64, f64)>,
+    forward: ForwardMotion,
 }
 
 /// The climb at launch.
@@ -117,6 +119,7 @@ impl Follower {
             altitude_base_m: None,
             launch: None,
             recent_mps: VecDeque::new(),
+            forward: ForwardMotion::default(),
         }
     }
 
@@ -153,6 +156,12 @@ impl Follower {
                 }
                 (_, None) => self.raw_m(regressor).map(f64::from),
             },
+            EffectId::ImuTilt if candidate.signal.is_by_velocity => {
+                self.forward.integrals(moment.time_us).map(|[forward_m, _]| forward_m)
+            }
+            EffectId::ImuGyroBias if candidate.signal.is_by_velocity => {
+                self.forward.integrals(moment.time_us).map(|[_, turning_m_s]| turning_m_s)
+            }
             EffectId::BaroAngleOfAttack if candidate.signal.offset_rad != 0.0 => {
                 let head = Regressor { id: EffectId::BaroDynamicPressure, ..regressor };
                 let turned_m = f64::from(candidate.signal.offset_rad) * f64::from(self.raw_m(head)?);
@@ -216,8 +225,10 @@ impl Follower {
                     / self.recent_mps.len().max(1) as f64,
             });
             self.tracker.begin_free_flight(input.time_us);
+            self.forward.launch(input.time_us);
         }
         let fix = input.gps.as_ref().filter(|_| accepted);
+        self.take_forward(input, fix);
         self.tracker.take(input, fix);
         self.formulas.take(input, fix, &self.tracker);
         let phase = match (self.free, self.calibrating) {
@@ -227,6 +238,16 @@ impl Follower {
         };
         let (readings_m, refused) = self.measurements(input);
         Taken { phase, has_fix: accepted, readings_m, refused }
+    }
+
+    fn take_forward(&mut self, input: &TickInput, fix: Option<&GpsFix>) {
+        if let Some([.., heading_rad]) = input.signals.attitude_rad {
+            self.forward.turn_to(heading_rad);
+        }
+        let velocity = fix.and_then(|fix| fix.velocity_north_mps.zip(fix.velocity_east_mps));
+        if let Some((north, east)) = velocity {
+            self.forward.take(input.time_us, [north, east]);
+        }
     }
 
     /// The valid readings, and the number of invalid ones.

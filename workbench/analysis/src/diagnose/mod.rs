@@ -37,6 +37,7 @@ mod evidence;
 mod excitation;
 mod follower;
 mod formulas;
+mod forward_motion;
 mod from_replay;
 mod glitches;
 mod held_out;

@@ -4,23 +4,19 @@
 //! attitude and the accelerometers hardly change within a flight. Integrated twice, a constant is a parabola
 //! that after some minutes is as large as the aircraft's own motion. The coefficient that fits the wrong
 //! regressor differs from the true one by what the fit makes of that parabola. A gyro's bias multiplies the
-//! same acceleration by the time: the error is a cubic.
+//! same acceleration by the time: the error is a cubic. How large the error still is after captive flight
+//! ([`SignalTracker::forward_error_mps2`](kf_core::effect::SignalTracker::forward_error_mps2)) differs from
+//! flight to flight.
 
-use kf_core::atmosphere::STANDARD_GRAVITY_MPS2;
 use kf_core::effect::EffectId;
 use kf_core::sensor::{SENSORS, Sensor};
 
+use super::candidates::Candidate;
 use super::information::Information;
 use super::noise::Noise;
 use super::problem::Problem;
 use super::series::{BySensor, Series};
 use super::shape_error::ByOrigin;
-
-/// Error of a forward acceleration, m/s^2: pitch and roll are known to a quarter of a degree, and let that
-/// share of gravity in. Data sheets state 0.2 degrees (Xsens MTi-300, static) to 0.5 degrees (VectorNav
-/// VN-100, static). The development flights of the second family, whose attitudes are 0.34 degrees off, have
-/// tilts that are 31 % off, rms.
-const FORWARD_MPS2: f64 = 0.25 * std::f64::consts::PI / 180.0 * STANDARD_GRAVITY_MPS2 as f64;
 
 /// How the error of an effect's acceleration grows.
 #[derive(Clone, Copy)]
@@ -31,36 +27,38 @@ enum Growth {
     Cubic,
 }
 
-/// How the error of an effect's acceleration grows; `None` where it uses no forward acceleration.
-const fn growth(effect: EffectId) -> Option<Growth> {
-    match effect {
+/// How the error of a regressor's acceleration grows; `None` where it uses no forward acceleration of the
+/// accelerometers.
+fn growth(candidate: &Candidate) -> Option<Growth> {
+    match candidate.effect() {
+        _ if candidate.signal.is_by_velocity => None,
         EffectId::ImuTilt => Some(Growth::Parabola),
         EffectId::ImuGyroBias => Some(Growth::Cubic),
         _ => None,
     }
 }
 
-/// The variance that this error gives the last pick's coefficient. `effects` are the picks' effects and
+/// The variance that this error gives the last pick's coefficient. `chosen` are the picks with their
 /// coefficients. `None` where the picks cannot be told apart.
 #[must_use]
 pub fn variance(
     problem: &Problem<'_>,
     noise: &Noise,
     picks: &[usize],
-    effects: &[(EffectId, f64)],
+    chosen: &[(&Candidate, f64)],
 ) -> Option<ByOrigin> {
     let mut variance = ByOrigin::default();
-    for (at, (effect, coefficient)) in effects.iter().enumerate() {
-        if let Some(growth) = growth(*effect) {
-            let moved = FORWARD_MPS2 * coefficient * response(problem, noise, picks, growth)?;
-            let origin = if at + 1 == effects.len() { &mut variance.own } else { &mut variance.others };
+    for (at, (candidate, coefficient)) in chosen.iter().enumerate() {
+        if let Some(growth) = growth(candidate) {
+            let moved = coefficient * response(problem, noise, picks, growth)?;
+            let origin = if at + 1 == chosen.len() { &mut variance.own } else { &mut variance.others };
             *origin += moved * moved;
         }
     }
     Some(variance)
 }
 
-/// How much the last pick's coefficient changes with an error of the inertial altitude that grows like this.
+/// How much the last pick's coefficient changes with one sigma of the error in every flight.
 fn response(problem: &Problem<'_>, noise: &Noise, picks: &[usize], growth: Growth) -> Option<f64> {
     let mut information = Information::new(1 + picks.len() + 1);
     for flight in problem.flights {
@@ -76,17 +74,18 @@ fn response(problem: &Problem<'_>, noise: &Noise, picks: &[usize], growth: Growt
     information.regression(&error, &kept)?.last().copied()
 }
 
-/// The inertial altitude's error, metres, with an error of one metre per second squared.
+/// One sigma of the error of the forward acceleration, integrated twice, metres.
 fn grown(flight: &Series, growth: Growth) -> Vec<BySensor> {
     let launch = flight.free.iter().position(|free| *free);
     let launch_s = launch.map_or(f64::INFINITY, |block| flight.time_s[block] - 0.5 * flight.block_s);
     let of = |time_s: &f64| {
         let since_s = (time_s - launch_s).max(0.0);
         let mut by_sensor = [0.0; SENSORS];
-        by_sensor[Sensor::ImuSlave.index()] = match growth {
+        let grown = match growth {
             Growth::Parabola => since_s * since_s / 2.0,
             Growth::Cubic => since_s * since_s * since_s / 6.0,
         };
+        by_sensor[Sensor::ImuSlave.index()] = flight.forward_sigma_mps2 * grown;
         by_sensor
     };
     flight.time_s.iter().map(of).collect()
@@ -96,6 +95,7 @@ fn grown(flight: &Series, growth: Growth) -> Vec<BySensor> {
 mod tests {
     use std::sync::Arc;
 
+    use kf_core::effect::Regressor;
     use model::Model;
 
     use super::super::noise::{GaussMarkov, NoisePrior, SensorNoise};
@@ -103,6 +103,7 @@ mod tests {
 
     const BLOCKS: u16 = 200;
     const WHITE_M: f64 = 0.5;
+    const SIGMA_MPS2: f64 = 0.043;
     const INERTIAL: usize = Sensor::ImuSlave.index();
 
     /// An aircraft whose forward acceleration is a sine of this many m/s^2 and 100 s, from launch at 50 s on;
@@ -130,6 +131,7 @@ mod tests {
             columns: vec![Arc::new(column)],
             block_s: 1.0,
             full_block: [10.0; SENSORS],
+            forward_sigma_mps2: SIGMA_MPS2,
         }
     }
 
@@ -147,7 +149,8 @@ mod tests {
         let model = Model::default();
         let prior = NoisePrior::new(&flights, &model.reference, &model.sensors);
         let problem = Problem::new(&flights, prior, Vec::new(), &executor::Inline);
-        let variance = variance(&problem, &noise, &[0], &[(effect, 0.02)]).unwrap();
+        let variance =
+            variance(&problem, &noise, &[0], &[(&Candidate::of(Regressor::new(effect)), 0.02)]).unwrap();
         assert_eq!(variance.others, 0.0);
         variance.own.sqrt()
     }
@@ -166,7 +169,7 @@ mod tests {
             values.iter().zip(&column).map(|(a, b)| (a - about) * (b - column_mean)).sum::<f64>()
         };
         let regression = along(&parabola, parabola_mean) / along(&column, column_mean);
-        let expected = 0.25_f64.to_radians() * 9.806_65 * 0.02 * regression;
+        let expected = SIGMA_MPS2 * 0.02 * regression;
         let found = sigma(EffectId::ImuTilt, 2.0);
         assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
     }

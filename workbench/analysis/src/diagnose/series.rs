@@ -31,6 +31,8 @@ pub struct Series {
     pub block_s: f64,
     /// Number of readings in a full block, by sensor (the median).
     pub full_block: BySensor,
+    /// Remaining error (1 sigma) of the forward acceleration that inertial regressors integrate, m/s^2.
+    pub forward_sigma_mps2: f64,
 }
 
 impl Series {

@@ -3,9 +3,10 @@
 //! An airspeed passes through tubing and a filter, a vane has inertia and is aligned to about half a degree,
 //! and a receiver whose altitude is late has an equally late velocity. A regressor made of such a signal has
 //! the wrong shape, and its remainder looks like another effect: a load factor like what a prompt vane would
-//! have measured, and a lever arm like the end of a climb at a late receiver. So these regressors are also
-//! tried as if their signals had been prompt and true: the column is read ahead by the delay, and an angle is
-//! corrected by an offset. Which of them fits depends on the instrument only, not on the effect: all are one
+//! have measured, and a lever arm like the end of a climb at a late receiver. An attitude is a quarter of a
+//! degree wrong, which an inertial regressor integrates twice. So these regressors are also tried as if their
+//! signals had been prompt and true: the column is read ahead by the delay, an angle is corrected by an offset,
+//! and a forward acceleration is taken from the receiver's velocity. Which of them fits depends on the instrument only, not on the effect: all are one
 //! effect.
 
 use kf_core::effect::EffectId;
@@ -19,6 +20,9 @@ pub struct SignalError {
     pub late_s: f32,
     /// Amount by which its angle is too small, radians.
     pub offset_rad: f32,
+    /// Whether its forward acceleration is taken from the receiver's velocity (`forward_motion.rs`) instead of
+    /// specific force and attitude, whose error grows.
+    pub is_by_velocity: bool,
 }
 
 /// A vane responds within some tenths of a second.
@@ -46,15 +50,25 @@ pub fn receiver_delays_s(late_s: f32) -> [f64; 2] {
 #[must_use]
 pub fn errors(effect: EffectId) -> Vec<SignalError> {
     let late = |seconds: &[f32]| {
-        seconds.iter().map(|late_s| SignalError { late_s: *late_s, offset_rad: 0.0 }).collect()
+        seconds.iter().map(|late_s| SignalError { late_s: *late_s, ..SignalError::default() }).collect()
     };
     match effect {
         EffectId::BaroAngleOfAttack => VANE_LATE_S
             .iter()
-            .flat_map(|late_s| VANE_OFFSET_RAD.map(|offset_rad| SignalError { late_s: *late_s, offset_rad }))
+            .flat_map(|late_s| {
+                VANE_OFFSET_RAD.map(|offset_rad| SignalError {
+                    late_s: *late_s,
+                    offset_rad,
+                    ..SignalError::default()
+                })
+            })
             .collect(),
         EffectId::BaroDynamicPressure => late(&AIRSPEED_LATE_S),
         EffectId::GpsLatency => late(&RECEIVER_LATE_S),
+        EffectId::ImuTilt | EffectId::ImuGyroBias => [false, true]
+            .into_iter()
+            .map(|is_by_velocity| SignalError { is_by_velocity, ..SignalError::default() })
+            .collect(),
         _ => vec![SignalError::default()],
     }
 }

@@ -53,6 +53,7 @@ pub(super) fn flight(errors_m: &[f64], columns: &[&[f64]]) -> Series {
         columns: columns.iter().map(column).collect(),
         block_s: 1.0,
         full_block: [10.0; SENSORS],
+        forward_sigma_mps2: 0.0,
     }
 }
 

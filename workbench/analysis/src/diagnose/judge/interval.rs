@@ -112,9 +112,9 @@ impl Judge<'_> {
     fn of_shapes(&self, findings: &Findings, own: &Own<'_>) -> ByOrigin {
         let noise = &findings.explanation.fit.noise;
         let of_shapes = shape_error::variance_of_coefficient(self.problem, self.suspects, noise, own.columns);
-        let effects = own.columns.iter().map(|column| self.candidates[*column].effect());
-        let effects: Vec<_> = effects.zip(own.fit.coefficients.iter().copied()).collect();
-        let of_acceleration = offset_acceleration::variance(self.problem, noise, own.columns, &effects);
+        let candidates = own.columns.iter().map(|column| &self.candidates[*column]);
+        let chosen: Vec<_> = candidates.zip(own.fit.coefficients.iter().copied()).collect();
+        let of_acceleration = offset_acceleration::variance(self.problem, noise, own.columns, &chosen);
         let (of_shapes, of_acceleration) =
             (of_shapes.unwrap_or_default(), of_acceleration.unwrap_or_default());
         ByOrigin {

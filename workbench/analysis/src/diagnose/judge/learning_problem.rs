@@ -10,7 +10,6 @@ use crate::diagnose::noise::Noise;
 use crate::diagnose::posterior::Posterior;
 use crate::diagnose::repeatability::repeatability;
 use crate::diagnose::search::{Explanation, Search};
-use crate::diagnose::signal_errors::SignalError;
 use crate::diagnose::suspects::White;
 use crate::progress::{Cancelled, Progress, step};
 
@@ -29,8 +28,9 @@ impl Judge<'_> {
         let is_wanted = |column: &usize| self.candidates[*column].effect() == effect;
         let found = findings.explanation.columns.iter().copied().find(is_wanted);
         let (findings, column) = match found {
-            // The flight computer has no signal but the measured one.
-            Some(column) if self.candidates[column].signal == SignalError::default() => (findings, column),
+            // The flight computer has no signal but the measured one. An error of its forward acceleration is
+            // another one on every flight, so the coefficient is learned without it.
+            Some(column) if self.candidates[column].is_read_as_flown() => (findings, column),
             Some(column) => {
                 let columns = &findings.explanation.columns;
                 let others = columns.iter().copied().filter(|other| *other != column).collect();

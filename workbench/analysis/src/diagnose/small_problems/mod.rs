@@ -92,6 +92,7 @@ impl Small {
             columns: Vec::new(),
             block_s: 1.0,
             full_block: [10.0; SENSORS],
+            forward_sigma_mps2: 0.0,
         };
         Self { series, candidates: Vec::new(), bounds: Vec::new(), signal_noise_m2: 0.0 }
     }
