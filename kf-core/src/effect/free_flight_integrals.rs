@@ -55,7 +55,7 @@ pub(super) struct FreeFlightIntegrals {
     /// Horizontal speed that [`Self::forward`] has reached, m/s, where that is its source.
     integrated_speed_mps: Option<f32>,
     /// Constant error of the accelerometers' forward acceleration, m/s^2.
-    forward_error_mps2: f32,
+    pub forward_error_mps2: f32,
     pub vertical: DoubleIntegral,
     pub forward: DoubleIntegral,
     pub turning: DoubleIntegral,

@@ -360,9 +360,10 @@ impl SignalTracker {
         self.motion.altitude_m(self.now_us)
     }
 
-    /// See [`Inertial::upward_and_forward_mps2`].
+    /// See [`Inertial::upward_and_forward_mps2`]; after launch without [`Self::forward_error_mps2`].
     pub(crate) fn upward_and_forward_mps2(&self) -> Option<[f32; 2]> {
-        self.inertial.upward_and_forward_mps2()
+        let [upward_mps2, forward_mps2] = self.inertial.upward_and_forward_mps2()?;
+        Some([upward_mps2, forward_mps2 - self.integrals.forward_error_mps2])
     }
 
     /// Cosine of the flight's latitude.
