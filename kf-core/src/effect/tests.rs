@@ -222,10 +222,10 @@ fn speed_over_ground_stands_in_for_an_inertial_unit() {
     assert_eq!(value(&tracker, EffectId::ImuAccelScale), None);
 }
 
-/// The tilt's regressor 60 s after launch, and the error of the forward acceleration that captive flight shows,
-/// of an aircraft at a constant airspeed in a wind. Its attitude reads 0.4 degrees too low a pitch and
+/// The tilt's regressor 60 s after launch, and the remaining sigma of the forward acceleration's error, of an
+/// aircraft at a constant airspeed in a wind. Its attitude reads 0.4 degrees too low a pitch and
 /// `heading_error_rad` too large a heading; the captive flight of 120 s turns at this many rad/s.
-fn with_a_wrong_pitch(turn_radps: f32, heading_error_rad: f32, has_heading: bool) -> (f32, (f32, f32)) {
+fn with_a_wrong_pitch(turn_radps: f32, heading_error_rad: f32, has_heading: bool) -> (f32, f32) {
     const PITCH_ERROR_RAD: f32 = 0.007;
     let mut tracker = SignalTracker::default();
     for k in 0..=36_000_u32 {
@@ -243,50 +243,56 @@ fn with_a_wrong_pitch(turn_radps: f32, heading_error_rad: f32, has_heading: bool
         };
         // Wings level and turning flat: the specific force along the body is that of level flight.
         let attitude_rad = [0.0, -PITCH_ERROR_RAD, heading_rad + heading_error_rad];
+        let signals = Signals { attitude_rad: has_heading.then_some(attitude_rad), ..Signals::default() };
         let input = TickInput {
             imu: Some(ImuSample { accel_mps2: [0.0, 0.0, -9.80665], gyro_radps: [0.0; 3] }),
-            ..tick(
-                time_us,
-                Signals { attitude_rad: has_heading.then_some(attitude_rad), ..Signals::default() },
-            )
+            ..tick(time_us, signals)
         };
+        // Every other fix has no velocity.
+        let without = GpsFix { velocity_north_mps: None, velocity_east_mps: None, ..FIX };
+        let fix = if k % 80 == 0 { fix } else { without };
         tracker.take(&input, (k % 40 == 0).then_some(&fix));
     }
-    (value(&tracker, EffectId::ImuTilt).unwrap(), tracker.forward_error_mps2())
+    (value(&tracker, EffectId::ImuTilt).unwrap(), tracker.forward_sigma_mps2())
 }
 
-/// 0.007 rad lets 0.069 m/s^2 in, which 60 s after launch is 124 m. Captive flight of 115 s shows it with a
-/// sigma of 0.2 m/s over that time.
+/// 0.007 rad lets 0.0686 m/s^2 in, which 60 s after launch is 124 m. Captive flight of 115 s shows it with a
+/// sigma of 0.2 m/s over that time, so all but a 600th of it is subtracted.
 #[test]
 fn captive_flight_shows_the_constant_error_of_the_forward_acceleration() {
-    let (tilt_m, (error_mps2, sigma_mps2)) = with_a_wrong_pitch(0.0, 0.0, true);
-    assert!((error_mps2 - 0.0687).abs() < 0.001, "{error_mps2}");
-    assert!((sigma_mps2 - 0.2 / 115.0).abs() < 1e-4, "{sigma_mps2}");
-    assert!(tilt_m.abs() < 2.0, "{tilt_m}");
-    // Half a circle in a wind: seven eighths of it, because the heading may be wrong.
-    let (tilt_m, _) = with_a_wrong_pitch(0.027, 0.0, true);
-    assert!((10.0..25.0).contains(&tilt_m), "{tilt_m}");
+    let (tilt_m, sigma_mps2) = with_a_wrong_pitch(0.0, 0.0, true);
+    assert!((sigma_mps2 * 115.0 / 0.2 - 1.0).abs() < 0.01, "{sigma_mps2}");
+    assert!(tilt_m.abs() < 124.0 / 500.0, "{tilt_m}");
 }
 
-/// Circles let a part of the turn in through a wrong heading; the estimate then counts for less, and says so.
+/// A turn counts by what a wrong heading would let in of it. The velocity changes across by
+/// `25 m/s * 0.027 /s` each second, 0.025 of which, 0.0169 m/s^2, is the measurement's sigma; so
+/// `0.043^2 / (0.043^2 + 0.0169^2)`, 0.866 of the error is subtracted, and 16.6 m of 124 are left.
 #[test]
-fn a_wrong_heading_in_circles_is_not_taken_for_an_error_of_the_acceleration() {
-    // 25 m/s turning at 0.2 rad/s with 0.03 rad of error: 0.15 m/s^2, more than the error itself.
-    let (tilt_m, (error_mps2, sigma_mps2)) = with_a_wrong_pitch(0.2, -0.03, true);
-    assert!((0.03..0.043).contains(&sigma_mps2), "{sigma_mps2}");
-    // No worse than as measured, by more than a sigma.
-    assert!(
-        (error_mps2 - 0.0687).abs() < 0.0687 + sigma_mps2 && tilt_m.abs() < 200.0,
-        "{error_mps2} {tilt_m}"
-    );
+fn half_a_circle_in_a_wind_shows_most_of_the_error() {
+    let (tilt_m, _) = with_a_wrong_pitch(0.027, 0.0, true);
+    assert!((tilt_m / 16.6 - 1.0).abs() < 0.05, "{tilt_m}");
+}
+
+/// Circles at 0.2 rad/s have a sigma of 0.125 m/s^2, and 0.1058 of what is measured is subtracted. A heading
+/// that is 0.03 rad too large takes `25 * 0.2 * 0.03`, 0.15 m/s^2, away from that; one too small adds it.
+#[test]
+fn a_wrong_heading_in_circles_is_hardly_taken_for_an_error_of_the_acceleration() {
+    for heading_error_rad in [-0.03, 0.0, 0.03] {
+        let (tilt_m, sigma_mps2) = with_a_wrong_pitch(0.2, heading_error_rad, true);
+        assert!((sigma_mps2 / (0.043 * (1.0 - 0.1058_f32).sqrt()) - 1.0).abs() < 0.01, "{sigma_mps2}");
+        let used_mps2 = 0.1058 * (0.0686 - 5.0 * heading_error_rad);
+        let left_m = (0.0686 - used_mps2) * 1_800.0;
+        assert!((tilt_m - left_m).abs() < 2.0, "{heading_error_rad}: {tilt_m} {left_m}");
+    }
 }
 
 /// A speed over ground has no such error, and nothing is subtracted from it.
 #[test]
 fn without_an_attitude_nothing_is_subtracted() {
-    let (tilt_m, (error_mps2, sigma_mps2)) = with_a_wrong_pitch(0.0, 0.0, false);
-    assert_eq!((tilt_m, error_mps2), (0.0, 0.0));
-    assert!(sigma_mps2 > 0.04);
+    let (tilt_m, sigma_mps2) = with_a_wrong_pitch(0.0, 0.0, false);
+    assert_eq!(tilt_m, 0.0);
+    assert!((sigma_mps2 / 0.043 - 1.0).abs() < 1e-3, "{sigma_mps2}");
 }
 
 fn finite() -> impl Strategy<Value = f32> {

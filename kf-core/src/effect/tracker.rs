@@ -150,8 +150,7 @@ impl SignalTracker {
         self.launch_us = Some(time_us);
         self.now_us = self.now_us.max(time_us);
         self.latched_airspeed_squared_m2ps2 = self.airspeed_squared_m2ps2();
-        let (forward_error_mps2, _) = self.forward_error.estimate_mps2();
-        self.integrals = FreeFlightIntegrals::from_launch(forward_error_mps2);
+        self.integrals = FreeFlightIntegrals::from_launch(self.forward_error.estimate_mps2());
         self.inertial.restart();
     }
 
@@ -179,7 +178,7 @@ impl SignalTracker {
         self.integrals_lost = false;
         self.latched_airspeed_squared_m2ps2 = None;
         self.integrals = FreeFlightIntegrals::default();
-        self.forward_error.interrupt();
+        self.forward_error.restart();
         self.inertial.restart();
     }
 
@@ -223,24 +222,25 @@ impl SignalTracker {
             let is_taken = self.integrals.advance(&step);
             self.count_unless(is_taken);
         } else if self.uses.any_of(Uses::FORWARD) {
-            self.compare_forward(elapsed_s(from_us, self.now_us), fix.is_some());
+            self.compare_forward(elapsed_s(from_us, self.now_us), fix);
         }
     }
 
     /// Measures the error of the forward acceleration in captive flight.
-    fn compare_forward(&mut self, seconds: f32, has_fix: bool) {
-        let accelerations = self.inertial.upward_and_forward_mps2();
-        self.forward_error.advance(seconds, accelerations.map(|[_, forward]| forward));
-        if let (true, Some(velocity_mps)) = (has_fix, self.motion.velocity_mps()) {
-            self.forward_error.take(velocity_mps);
+    fn compare_forward(&mut self, seconds: f32, fix: Option<&GpsFix>) {
+        let Some([_, forward_mps2]) = self.inertial.upward_and_forward_mps2() else { return };
+        self.forward_error.advance(seconds, forward_mps2);
+        let velocity = fix.and_then(|fix| fix.velocity_north_mps.zip(fix.velocity_east_mps));
+        if let Some((north_mps, east_mps)) = velocity {
+            self.forward_error.take([north_mps, east_mps]);
         }
     }
 
-    /// The constant error of the forward acceleration that `imu.tilt` and `imu.gyro_bias` integrate, as far as
-    /// captive flight shows it, and its remaining sigma, m/s^2. From launch on, it is subtracted.
+    /// The sigma of the constant error that the forward acceleration of `imu.tilt` and `imu.gyro_bias` still
+    /// has after captive flight, m/s^2. What captive flight shows of it is subtracted from launch on.
     #[must_use]
-    pub fn forward_error_mps2(&self) -> (f32, f32) {
-        self.forward_error.estimate_mps2()
+    pub fn forward_sigma_mps2(&self) -> f32 {
+        self.forward_error.sigma_mps2()
     }
 
     #[inline]
@@ -360,7 +360,8 @@ impl SignalTracker {
         self.motion.altitude_m(self.now_us)
     }
 
-    /// See [`Inertial::upward_and_forward_mps2`]; after launch without [`Self::forward_error_mps2`].
+    /// See [`Inertial::upward_and_forward_mps2`]; after launch without the constant error that captive
+    /// flight showed.
     pub(crate) fn upward_and_forward_mps2(&self) -> Option<[f32; 2]> {
         let [upward_mps2, forward_mps2] = self.inertial.upward_and_forward_mps2()?;
         Some([upward_mps2, forward_mps2 - self.integrals.forward_error_mps2])

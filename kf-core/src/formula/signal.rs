@@ -56,7 +56,7 @@ signals! {
     /// Upward acceleration in the level frame, without gravity.
     UpwardAcceleration = "upward_accel_mps2", "m/s^2";
     /// Forward acceleration in the level frame; after launch without the constant error that captive flight
-    /// showed ([`crate::effect::SignalTracker::forward_error_mps2`]).
+    /// showed.
     ForwardAcceleration = "forward_accel_mps2", "m/s^2";
     /// Half the squared difference of two successive samples of the specific force, summed over the axes: the
     /// vibration's variance.

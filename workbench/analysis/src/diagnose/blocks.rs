@@ -140,8 +140,7 @@ impl Builder {
             self.take_readings(&moment, model, &follower, candidates);
         }
         self.close_block();
-        let (_, forward_sigma_mps2) = follower.tracker.forward_error_mps2();
-        self.series.forward_sigma_mps2 = f64::from(forward_sigma_mps2);
+        self.series.forward_sigma_mps2 = f64::from(follower.tracker.forward_sigma_mps2());
     }
 
     fn enter_block(&mut self, input: &TickInput, free: bool, columns: usize) {

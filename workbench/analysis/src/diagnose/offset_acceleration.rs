@@ -5,7 +5,7 @@
 //! that after some minutes is as large as the aircraft's own motion. The coefficient that fits the wrong
 //! regressor differs from the true one by what the fit makes of that parabola. A gyro's bias multiplies the
 //! same acceleration by the time: the error is a cubic. How large the error still is after captive flight
-//! ([`SignalTracker::forward_error_mps2`](kf_core::effect::SignalTracker::forward_error_mps2)) differs from
+//! ([`SignalTracker::forward_sigma_mps2`](kf_core::effect::SignalTracker::forward_sigma_mps2)) differs from
 //! flight to flight.
 
 use kf_core::effect::EffectId;
