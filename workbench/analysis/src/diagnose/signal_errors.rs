@@ -5,9 +5,9 @@
 //! the wrong shape, and its remainder looks like another effect: a load factor like what a prompt vane would
 //! have measured, and a lever arm like the end of a climb at a late receiver. An attitude is a quarter of a
 //! degree wrong, which an inertial regressor integrates twice. So these regressors are also tried as if their
-//! signals had been prompt and true: the column is read ahead by the delay, an angle is corrected by an offset,
-//! and a forward acceleration is taken from the receiver's velocity. Which of them fits depends on the instrument only, not on the effect: all are one
-//! effect.
+//! signals had been prompt and true: the column is read ahead by the delay, an angle is corrected by an
+//! offset, and a forward acceleration is taken from the receiver's velocity. Which of them fits depends on the
+//! instrument only, not on the effect: all are one effect.
 
 use kf_core::effect::EffectId;
 
