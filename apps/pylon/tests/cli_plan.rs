@@ -72,6 +72,28 @@ fn the_planned_flight_resolves_what_the_first_left_open() {
     assert!(missing.is_empty() && suspects > 1, "{missing:?}");
 }
 
+/// No manoeuvre separates a drift from a slow warming up: time does.
+#[test]
+fn a_drift_takes_a_long_flight() {
+    const DRIFT: &str = "\n[[effect]]\nid = \"baro.drift\"\nphase = \"free\"\ncoefficient = 0.05\n";
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    simulated(here, "first", &(POOR.to_owned() + DRIFT), "3");
+    let result: DiagnoseResult = checked("diagnose", here, &["first.csv"]);
+    let sets: Vec<String> = result.together.unwrap().suspects().map(str::to_owned).collect();
+    assert!(sets.contains(&"baro.drift".to_owned()) && sets.len() > 1, "{sets:?}");
+
+    let plan: PlanResult = checked("plan", here, &["first.csv", "-o", "next.toml"]);
+    assert_eq!((plan.aim, plan.is_enough), (Aim::Sets, true), "{:?}", plan.outlook.sets);
+    let circles = plan.segments.iter().filter(|segment| segment.words.starts_with("Circle to the"));
+    assert!(circles.count() >= 2, "{:?}", plan.segments);
+
+    let scenario = fs::read_to_string(here.join("next.toml")).unwrap();
+    simulated(here, "next", &(scenario + DRIFT), "11");
+    let (missing, suspects) = diagnosed(here, &["first.csv", "next.csv"]);
+    assert_eq!((missing, suspects), (vec!["baro.drift".to_owned()], 0));
+}
+
 #[test]
 fn a_flight_that_leaves_nothing_open_still_has_a_plan() {
     let directory = tempfile::tempdir().unwrap();

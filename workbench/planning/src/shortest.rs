@@ -14,6 +14,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statistics::{normal_above, normal_quantile};
 
+use crate::manoeuvres::free_s;
 use crate::plan::{FlightPlan, PlannedLeg, PlannedManoeuvre};
 use crate::{Flown, Planning, gain};
 
@@ -21,6 +22,11 @@ use crate::{Flown, Planning, gain};
 pub const RESOLVED: f64 = 0.9;
 /// Longest free flight of a plan, seconds.
 const LONGEST_S: f64 = 600.0;
+/// Ten minutes of circling, five to the right and five to the left, in which a slow effect has time to act.
+const CIRCLING: PlannedLeg =
+    PlannedLeg { manoeuvre: PlannedManoeuvre::Turns, amount: 20.0, duration_s: 300.0, times: 1 };
+/// Most repetitions of it that are considered.
+const MOST_CIRCLING: u32 = 5;
 /// Most manoeuvres added one after the other.
 const STEPS: usize = 12;
 /// The standard normal quantiles beyond which a probability counts as that of the limit: what is certain is
@@ -173,9 +179,58 @@ fn search(
         steps = self::steps(planning, &legs, progress);
     }
     let mut best = best?;
-    // What later manoeuvres made superfluous, and what showed no further effect. Of a plan that does not
-    // resolve every set nothing is left out: all of it counts for the others.
-    while aim.achieved(&best.outlook) > 0 && (is_enough(&best) || aim == Aim::Effects) {
+    if aim == Aim::Sets && !is_enough(&best) {
+        best = lengthened(planning, best, progress);
+    }
+    Some(trimmed(planning, aim, best, progress))
+}
+
+/// The plan flown two or three times, or with circling at its end: the shortest of these that resolves another
+/// set, and the plan as it was where none does. Noise averages out over repetitions. What changes within minutes
+/// or hours, such as a drift or a warming up, takes time and no manoeuvre.
+fn lengthened(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut() -> ControlFlow<()>) -> Step {
+    let may_be_resolved = |set: &SetOutlook| {
+        let members = set.members.iter().filter(|member| member.identified.is_some());
+        let most = members.map(|member| member.probability).sum::<f64>() + set.nothing.unwrap_or(0.0);
+        set.resolved < RESOLVED && most >= RESOLVED
+    };
+    if !best.outlook.sets.iter().any(may_be_resolved) {
+        return best;
+    }
+    let mut plans = longer_plans(&best.legs);
+    let free_s = |legs: &Vec<PlannedLeg>| free_s(&planning.plan(legs.clone()));
+    plans.sort_by(|one, other| free_s(one).total_cmp(&free_s(other)));
+    for legs in plans {
+        let is_better = |step: &Step| Aim::Sets.achieved(&step.outlook) > Aim::Sets.achieved(&best.outlook);
+        if let Some(longer) = step(planning, legs).filter(is_better) {
+            return longer;
+        }
+        if progress().is_break() {
+            break;
+        }
+    }
+    best
+}
+
+/// The legs two and three times, and with circling after them.
+fn longer_plans(legs: &[PlannedLeg]) -> Vec<Vec<PlannedLeg>> {
+    let repeated = [2, 3].map(|factor| {
+        legs.iter().map(|leg| PlannedLeg { times: factor * leg.times, ..*leg }).collect::<Vec<_>>()
+    });
+    let circling = (1..=MOST_CIRCLING)
+        .map(|times| legs.iter().copied().chain([PlannedLeg { times, ..CIRCLING }]).collect::<Vec<_>>());
+    repeated.into_iter().chain(circling).collect()
+}
+
+/// The plan without what later manoeuvres made superfluous, and what showed no further effect. Of a plan that
+/// does not resolve every set nothing is left out: all of it counts for the others.
+fn trimmed(
+    planning: &Planning<'_>,
+    aim: Aim,
+    mut best: Step,
+    progress: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Step {
+    while aim.achieved(&best.outlook) > 0 && (aim.is_reached(&best.outlook) || aim == Aim::Effects) {
         let shorter = (0..best.legs.len()).filter_map(|at| {
             let shorter = step(planning, without(&best.legs, at));
             progress().is_continue().then_some(shorter)?
@@ -188,7 +243,7 @@ fn search(
         };
         best = found;
     }
-    Some(best)
+    best
 }
 
 /// Plans that are one manoeuvre longer.
@@ -271,6 +326,17 @@ mod tests {
         assert_eq!(super::longer(leg(PlannedManoeuvre::Turns, 15.0, 2)), None);
         assert_eq!(without(&legs, 0), [leg(PlannedManoeuvre::PullUps, 3.0, 3)]);
         assert_eq!(without(&legs, 1), [climb, leg(PlannedManoeuvre::PullUps, 3.0, 2)]);
+    }
+
+    #[test]
+    fn a_longer_plan_repeats_all_of_it_or_circles_after_it() {
+        let legs = [leg(PlannedManoeuvre::LongClimb, 40.0, 1), leg(PlannedManoeuvre::PullUps, 3.0, 3)];
+        let plans = longer_plans(&legs);
+        let times = |plan: &[PlannedLeg]| plan.iter().map(|leg| leg.times).collect::<Vec<_>>();
+        let all: Vec<Vec<u32>> = plans.iter().map(|plan| times(plan)).collect();
+        let circling = (1..=5).map(|rounds| vec![1, 3, rounds]);
+        assert_eq!(all, [vec![2, 6], vec![3, 9]].into_iter().chain(circling).collect::<Vec<_>>());
+        assert!(plans[2..].iter().all(|plan| plan[..2] == legs && plan[2].duration_s == 300.0));
     }
 
     fn member(probability: f64, identified: Option<f64>) -> MemberOutlook {

@@ -104,7 +104,7 @@ fn purpose(result: &PlanResult) -> String {
             )
         }
         (Aim::Sets, false) if is_hopeless(result) => {
-            format!("No flight resolves this: the best plan that was found would with {}.", per_cent(least))
+            format!("No plan that was tried resolves this: the best one would with {}.", per_cent(least))
         }
         (Aim::Sets, false) => format!(
             "No plan was found that resolves this with {wanted}. The best one takes {length} min of manoeuvres and resolves it with {}.",

@@ -121,6 +121,12 @@ impl<'a> Suspects<'a> {
         is_consistent(&bounds, solution)
     }
 
+    /// What every candidate's coefficient may be, in the candidates' order.
+    #[must_use]
+    pub fn bounds(&self) -> &[Bounds] {
+        &self.bounds
+    }
+
     /// The range of a column's coefficient.
     #[must_use]
     pub fn range(&self, column: usize) -> [f64; 2] {

@@ -161,7 +161,7 @@ impl Judge<'_> {
                         )
                     } else if advice.sigmas >= 0.5 {
                         format!(
-                            " No manoeuvre separates them well; the best is {} ({:.1} sigma).",
+                            " No single manoeuvre separates them well; the best is {} ({:.1} sigma).",
                             advice.manoeuvre, advice.sigmas
                         )
                     } else {

@@ -79,6 +79,8 @@ pub(crate) struct Judge<'a> {
 pub(super) struct Set {
     /// Effects with their probabilities, the most probable first.
     pub(super) effects: Vec<(EffectId, f64)>,
+    /// Effects that are too improbable to be listed, with their probabilities.
+    pub(super) unlisted: Vec<(EffectId, f64)>,
     /// The probability that none acts, from [`SUSPECT`] on, and wherever the evidence was too little to choose
     /// one.
     pub(super) nothing: Option<f64>,
@@ -261,11 +263,13 @@ impl Judge<'_> {
             Some(rivals.odds_of_nothing / total).filter(|nothing| rivals.is_weak || *nothing >= SUSPECT);
         let acts = rivals.acts.unwrap_or_else(|| set.first().map_or(0.0, |(_, probability)| *probability));
         if !rivals.is_weak && acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
-            return Set { effects: vec![(own, acts)], nothing, is_identified: true };
+            let unlisted = set.split_off(1);
+            return Set { effects: vec![(own, acts)], unlisted, nothing, is_identified: true };
         }
         let listed = set.iter().take_while(|(_, probability)| *probability >= SUSPECT).count();
-        set.truncate(listed.max(if nothing.is_some() { 1 } else { 2 }));
-        Set { effects: set, nothing, is_identified: false }
+        let listed = listed.max(if nothing.is_some() { 1 } else { 2 });
+        let unlisted = set.split_off(listed.min(set.len()));
+        Set { effects: set, unlisted, nothing, is_identified: false }
     }
 
     /// Pairs of effects of which the second is at least as probable as the first, because it would look like
