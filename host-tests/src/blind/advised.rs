@@ -34,6 +34,8 @@ pub struct AdvisedSet {
     pub effects: Vec<String>,
     /// Whether one of them acts.
     pub has_cause: bool,
+    /// Whether the flights record the signals of all of them: otherwise no flight resolves it.
+    pub is_recorded: bool,
     /// The probability with which the plan was to resolve it.
     pub promised: f64,
     /// What became of it; `None` where the aircraft could not fly the plan.
@@ -77,6 +79,7 @@ pub fn advised(case: &Case, flight: &Flight, truth: &[&str]) -> anyhow::Result<O
         let effects: Vec<String> = set.members.iter().map(|member| member.effect.to_string()).collect();
         AdvisedSet {
             has_cause: effects.iter().any(|effect| truth.contains(&effect.as_str())),
+            is_recorded: set.members.iter().all(|member| member.identified.is_some()),
             promised: set.resolved,
             outcome: both.as_ref().map(|both| outcome(both, &effects, truth)),
             effects,
@@ -125,6 +128,11 @@ pub fn lines(advised: &[Advised]) -> String {
         text += &share.line(what, 68, wanted);
     };
     share("sets that hold the cause: resolved by flying the advised plan once", &|set| set.has_cause, "");
+    share(
+        "  those of which every effect's signals were recorded",
+        &|set| set.has_cause && set.is_recorded,
+        "",
+    );
     share(
         "  those that the plan was to resolve with 90 %",
         &|set| set.has_cause && set.promised >= plan::RESOLVED,

@@ -53,16 +53,35 @@ impl Trial {
         self.diagnosis.missing().chain(self.diagnosis.suspects()).any(|said| said == id)
     }
 
-    /// For each set with the probability of nothing: the probability that one of its effects acts, and whether
-    /// one does. A set that concerns several sensors counts once.
+    /// The sets that the diagnosis reports. One that concerns several sensors is one set.
     #[must_use]
-    pub fn perhaps(&self) -> Vec<(f64, bool)> {
-        let sets = self.diagnosis.sensors.values().flat_map(SensorDiagnosis::sets);
-        let mut found: Vec<OneOf<'_>> = sets.filter(|set| set.nothing.is_some()).collect();
+    pub fn sets(&self) -> Vec<OneOf<'_>> {
+        let mut found: Vec<OneOf<'_>> =
+            self.diagnosis.sensors.values().flat_map(SensorDiagnosis::sets).collect();
         found.sort_by_key(|set| set.effects);
         found.dedup_by_key(|set| set.effects);
-        let acts = |set: &OneOf<'_>| self.truth.iter().any(|(id, _)| set.effects.iter().any(|own| own == id));
-        found.iter().map(|set| (set.probabilities.iter().sum(), acts(set))).collect()
+        found
+    }
+
+    /// Whether one of a set's effects acts.
+    #[must_use]
+    pub fn has_cause(&self, set: &OneOf<'_>) -> bool {
+        self.truth.iter().any(|(id, _)| set.effects.iter().any(|own| own == id))
+    }
+
+    /// Whether one of a set's effects acts, or none acts and the set says that this is possible.
+    #[must_use]
+    pub fn has_truth(&self, set: &OneOf<'_>) -> bool {
+        let is_null = matches!(self.case.kind, Kind::Null | Kind::Glitch(_));
+        self.has_cause(set) || is_null && set.nothing.is_some()
+    }
+
+    /// For each set with the probability of nothing: the probability that one of its effects acts, and whether
+    /// one does.
+    #[must_use]
+    pub fn perhaps(&self) -> Vec<(f64, bool)> {
+        let sets = self.sets().into_iter().filter(|set| set.nothing.is_some());
+        sets.map(|set| (set.probabilities.iter().sum(), self.has_cause(&set))).collect()
     }
 
     /// Whether the flight has the signals that an effect needs.

@@ -71,12 +71,8 @@ pub fn check(plan: &FlightPlan, around: &Circumstances) -> Result<(), PlanError>
         between("a duration, s,", leg.duration_s, 1.0, 600.0)?;
         between("the times", f64::from(leg.times), 1.0, MOST as f64)?;
     }
-    between("the plan's length, s,", plan.calibration_s + free_s(plan), 1.0, LONGEST_S)
-}
-
-/// Duration of a plan's manoeuvres, seconds.
-pub fn free_s(plan: &FlightPlan) -> f64 {
-    segments(plan).iter().map(|segment| segment.duration_s).sum()
+    let seconds: f64 = segments(plan).iter().map(|segment| segment.duration_s).sum();
+    between("the plan's length, s,", plan.calibration_s + seconds, 1.0, LONGEST_S)
 }
 
 /// The segments of a plan.

@@ -14,7 +14,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statistics::{normal_above, normal_quantile};
 
-use crate::manoeuvres::free_s;
 use crate::plan::{FlightPlan, PlannedLeg, PlannedManoeuvre};
 use crate::{Flown, Planning, gain};
 
@@ -185,9 +184,8 @@ fn search(
     Some(trimmed(planning, aim, best, progress))
 }
 
-/// The plan flown two or three times, or with circling at its end: the shortest of these that resolves another
-/// set, and the plan as it was where none does. Noise averages out over repetitions. What changes within minutes
-/// or hours, such as a drift or a warming up, takes time and no manoeuvre.
+/// The plan with circling at its end, or flown two or three times: the first of these that resolves another set,
+/// and the plan as it was where none does.
 fn lengthened(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut() -> ControlFlow<()>) -> Step {
     let may_be_resolved = |set: &SetOutlook| {
         let members = set.members.iter().filter(|member| member.identified.is_some());
@@ -197,10 +195,7 @@ fn lengthened(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut() ->
     if !best.outlook.sets.iter().any(may_be_resolved) {
         return best;
     }
-    let mut plans = longer_plans(&best.legs);
-    let free_s = |legs: &Vec<PlannedLeg>| free_s(&planning.plan(legs.clone()));
-    plans.sort_by(|one, other| free_s(one).total_cmp(&free_s(other)));
-    for legs in plans {
+    for legs in longer_plans(&best.legs) {
         let is_better = |step: &Step| Aim::Sets.achieved(&step.outlook) > Aim::Sets.achieved(&best.outlook);
         if let Some(longer) = step(planning, legs).filter(is_better) {
             return longer;
@@ -212,14 +207,14 @@ fn lengthened(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut() ->
     best
 }
 
-/// The legs two and three times, and with circling after them.
+/// The legs with circling after them: what changes within minutes or hours, such as a drift or a warming up,
+/// takes time and no manoeuvre. Then the legs two and three times: noise averages out over repetitions, but they
+/// are more work for the pilot.
 fn longer_plans(legs: &[PlannedLeg]) -> Vec<Vec<PlannedLeg>> {
-    let repeated = [2, 3].map(|factor| {
-        legs.iter().map(|leg| PlannedLeg { times: factor * leg.times, ..*leg }).collect::<Vec<_>>()
-    });
-    let circling = (1..=MOST_CIRCLING)
-        .map(|times| legs.iter().copied().chain([PlannedLeg { times, ..CIRCLING }]).collect::<Vec<_>>());
-    repeated.into_iter().chain(circling).collect()
+    let circling = (1..=MOST_CIRCLING).map(|times| [legs, &[PlannedLeg { times, ..CIRCLING }]].concat());
+    let repeated = [2, 3]
+        .map(|factor| legs.iter().map(|leg| PlannedLeg { times: factor * leg.times, ..*leg }).collect());
+    circling.chain(repeated).collect()
 }
 
 /// The plan without what later manoeuvres made superfluous, and what showed no further effect. Of a plan that
@@ -231,8 +226,11 @@ fn trimmed(
     progress: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Step {
     while aim.achieved(&best.outlook) > 0 && (aim.is_reached(&best.outlook) || aim == Aim::Effects) {
-        let shorter = (0..best.legs.len()).filter_map(|at| {
-            let shorter = step(planning, without(&best.legs, at));
+        let mut removals: Vec<(usize, u32)> =
+            best.legs.iter().enumerate().flat_map(|(at, leg)| [(at, 1), (at, leg.times)]).collect();
+        removals.dedup();
+        let shorter = removals.into_iter().filter_map(|(at, times)| {
+            let shorter = step(planning, without(&best.legs, at, times));
             progress().is_continue().then_some(shorter)?
         });
         let is_as_good = |step: &Step| aim.achieved(&step.outlook) >= aim.achieved(&best.outlook);
@@ -295,11 +293,11 @@ fn with(legs: &[PlannedLeg], offered: PlannedLeg) -> Vec<PlannedLeg> {
     legs
 }
 
-/// The legs with one repetition less of one of them.
-fn without(legs: &[PlannedLeg], at: usize) -> Vec<PlannedLeg> {
+/// The legs with so many repetitions less of one of them.
+fn without(legs: &[PlannedLeg], at: usize, times: u32) -> Vec<PlannedLeg> {
     let mut legs = legs.to_vec();
     if let Some(leg) = legs.get_mut(at) {
-        leg.times -= 1;
+        leg.times = leg.times.saturating_sub(times);
     }
     legs.retain(|leg| leg.times > 0);
     legs
@@ -324,19 +322,19 @@ mod tests {
         let longer = longer(climb).unwrap();
         assert_eq!(with(&legs, longer).last(), Some(&leg(PlannedManoeuvre::LongClimb, 120.0, 1)));
         assert_eq!(super::longer(leg(PlannedManoeuvre::Turns, 15.0, 2)), None);
-        assert_eq!(without(&legs, 0), [leg(PlannedManoeuvre::PullUps, 3.0, 3)]);
-        assert_eq!(without(&legs, 1), [climb, leg(PlannedManoeuvre::PullUps, 3.0, 2)]);
+        assert_eq!(without(&legs, 0, 1), [leg(PlannedManoeuvre::PullUps, 3.0, 3)]);
+        assert_eq!(without(&legs, 1, 1), [climb, leg(PlannedManoeuvre::PullUps, 3.0, 2)]);
     }
 
     #[test]
     fn a_longer_plan_repeats_all_of_it_or_circles_after_it() {
         let legs = [leg(PlannedManoeuvre::LongClimb, 40.0, 1), leg(PlannedManoeuvre::PullUps, 3.0, 3)];
         let plans = longer_plans(&legs);
-        let times = |plan: &[PlannedLeg]| plan.iter().map(|leg| leg.times).collect::<Vec<_>>();
-        let all: Vec<Vec<u32>> = plans.iter().map(|plan| times(plan)).collect();
+        let times = |plan: &Vec<PlannedLeg>| plan.iter().map(|leg| leg.times).collect::<Vec<_>>();
         let circling = (1..=5).map(|rounds| vec![1, 3, rounds]);
-        assert_eq!(all, [vec![2, 6], vec![3, 9]].into_iter().chain(circling).collect::<Vec<_>>());
-        assert!(plans[2..].iter().all(|plan| plan[..2] == legs && plan[2].duration_s == 300.0));
+        let wanted: Vec<Vec<u32>> = circling.chain([vec![2, 6], vec![3, 9]]).collect();
+        assert_eq!(plans.iter().map(times).collect::<Vec<_>>(), wanted);
+        assert!(plans[..5].iter().all(|plan| plan[..2] == legs && plan[2].duration_s == 300.0));
     }
 
     fn member(probability: f64, identified: Option<f64>) -> MemberOutlook {
