@@ -154,19 +154,115 @@ fn promised(set: &SetOutlook) -> String {
 
 fn segments(segments: &[PlannedSegment]) -> Table {
     let mut table = Table::new().right("  at").right("for").left("manoeuvre").right("altitude then");
-    for segment in segments {
+    let mut row = |at: String, duration_s: f64, words: String, altitude: String| {
         table.row([
-            Cell::from(format!("  {}", clock(segment.from_s))),
-            format!("{:.0} s", segment.duration_s).into(),
-            segment.words.clone().into(),
-            format!("{:.0} m", segment.altitude_then_m).into(),
+            Cell::from(format!("  {at}")),
+            format!("{duration_s:.0} s").into(),
+            words.into(),
+            altitude.into(),
         ]);
+    };
+    let altitude = |segment: &PlannedSegment| format!("{:.0} m", segment.altitude_then_m);
+    let joined = joined(segments);
+    let mut rest = joined.as_slice();
+    while let Some(first) = rest.first() {
+        let (period, times) = cycle(rest);
+        let (now, then) = rest.split_at(period * times);
+        let duration_s = now.iter().map(|segment| segment.duration_s).sum();
+        let last = now.last().map(altitude).unwrap_or_default();
+        if times > 1 {
+            row(clock(first.from_s), duration_s, format!("{times} times:"), last);
+            for segment in &now[..period] {
+                row(String::new(), segment.duration_s, format!("  {}", segment.words), String::new());
+            }
+        } else {
+            row(clock(first.from_s), duration_s, first.words.clone(), last);
+        }
+        rest = then;
     }
     table
+}
+
+/// The segments, each with those after it that say the same.
+fn joined(segments: &[PlannedSegment]) -> Vec<PlannedSegment> {
+    let same = segments.chunk_by(|one, next| one.words == next.words);
+    let join = |same: &[PlannedSegment]| {
+        let (first, last) = (same.first()?, same.last()?);
+        let duration_s = same.iter().map(|segment| segment.duration_s).sum();
+        Some(PlannedSegment { duration_s, altitude_then_m: last.altitude_then_m, ..first.clone() })
+    };
+    same.filter_map(join).collect()
+}
+
+/// Most segments of a cycle.
+const LONGEST_CYCLE: usize = 4;
+
+/// How many segments at the beginning repeat, and how often they are flown: the cycle that covers most. One
+/// segment, once, where writing a cycle takes no fewer lines.
+fn cycle(segments: &[PlannedSegment]) -> (usize, usize) {
+    let is_same = |one: &PlannedSegment, other: &PlannedSegment| {
+        one.words == other.words && one.duration_s.total_cmp(&other.duration_s).is_eq()
+    };
+    let repeats = |period: usize| {
+        let same = (period..segments.len()).take_while(|k| is_same(&segments[*k], &segments[k - period]));
+        (period, 1 + same.count() / period)
+    };
+    // All lines, less one for the heading and those of one cycle.
+    let saved = |(period, times): &(usize, usize)| (period * times).saturating_sub(period + 1);
+    let cycles = (1..=LONGEST_CYCLE.min(segments.len())).map(repeats);
+    // The first of those that save as much: the shortest cycle.
+    cycles.rev().max_by_key(saved).filter(|cycle| saved(cycle) > 0).unwrap_or((1, 1))
 }
 
 /// Minutes and seconds.
 fn clock(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     format!("{}:{:02}", whole / 60, whole % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flown(plan: &[(&str, f64)]) -> Vec<PlannedSegment> {
+        let mut from_s = 0.0;
+        let mut segment = |(words, duration_s): &(&str, f64)| {
+            let begin_s = from_s;
+            from_s += duration_s;
+            PlannedSegment {
+                words: (*words).to_owned(),
+                from_s: begin_s,
+                duration_s: *duration_s,
+                altitude_then_m: from_s,
+            }
+        };
+        plan.iter().map(&mut segment).collect()
+    }
+
+    #[test]
+    fn what_repeats_is_written_once() {
+        let (up, down, level) = (("Pull up", 3.0), ("Push over", 4.0), ("Level off", 5.0));
+        let plan = [&[("Climb", 40.0), level, level][..], &[[up, down]; 3].concat(), &[level]].concat();
+        let text = view::text::table(&segments(&flown(&plan)), false);
+        let lines: Vec<Vec<&str>> =
+            text.lines().skip(2).map(|line| line.split_whitespace().collect()).collect();
+        let wanted = [
+            "0:00 40 s Climb 40 m",
+            "0:40 10 s Level off 50 m",
+            "0:50 21 s 3 times: 71 m",
+            "3 s Pull up",
+            "4 s Push over",
+            "1:11 5 s Level off 76 m",
+        ];
+        assert_eq!(lines, wanted.map(|line| line.split_whitespace().collect::<Vec<_>>()), "{text}");
+    }
+
+    #[test]
+    fn a_cycle_is_written_only_where_that_is_shorter() {
+        let (up, down) = (("Pull up", 3.0), ("Push over", 4.0));
+        assert_eq!(cycle(&flown(&[up, down, up])), (1, 1));
+        assert_eq!(cycle(&flown(&[up, down, up, down])), (2, 2));
+        assert_eq!(cycle(&flown(&[up, down, ("Pull up", 2.0), down])), (1, 1), "another duration");
+        assert_eq!(cycle(&flown(&[])), (1, 1));
+    }
 }
