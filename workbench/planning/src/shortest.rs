@@ -179,14 +179,14 @@ fn search(
     }
     let mut best = best?;
     if aim == Aim::Sets && !is_enough(&best) {
-        best = lengthened(planning, best, progress);
+        best = with_circling(planning, best, progress);
     }
     Some(trimmed(planning, aim, best, progress))
 }
 
-/// The plan with circling at its end, or flown two or three times: the first of these that resolves another set,
-/// and the plan as it was where none does.
-fn lengthened(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut() -> ControlFlow<()>) -> Step {
+/// The plan with as much circling at its end as it takes to resolve another set, and the plan as it was where none
+/// does: what changes within minutes or hours, such as a drift or a warming up, takes time and no manoeuvre.
+fn with_circling(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut() -> ControlFlow<()>) -> Step {
     let may_be_resolved = |set: &SetOutlook| {
         let members = set.members.iter().filter(|member| member.identified.is_some());
         let most = members.map(|member| member.probability).sum::<f64>() + set.nothing.unwrap_or(0.0);
@@ -195,7 +195,8 @@ fn lengthened(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut() ->
     if !best.outlook.sets.iter().any(may_be_resolved) {
         return best;
     }
-    for legs in longer_plans(&best.legs) {
+    for times in 1..=MOST_CIRCLING {
+        let legs = [best.legs.as_slice(), &[PlannedLeg { times, ..CIRCLING }]].concat();
         let is_better = |step: &Step| Aim::Sets.achieved(&step.outlook) > Aim::Sets.achieved(&best.outlook);
         if let Some(longer) = step(planning, legs).filter(is_better) {
             return longer;
@@ -205,16 +206,6 @@ fn lengthened(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut() ->
         }
     }
     best
-}
-
-/// The legs with circling after them: what changes within minutes or hours, such as a drift or a warming up,
-/// takes time and no manoeuvre. Then the legs two and three times: noise averages out over repetitions, but they
-/// are more work for the pilot.
-fn longer_plans(legs: &[PlannedLeg]) -> Vec<Vec<PlannedLeg>> {
-    let circling = (1..=MOST_CIRCLING).map(|times| [legs, &[PlannedLeg { times, ..CIRCLING }]].concat());
-    let repeated = [2, 3]
-        .map(|factor| legs.iter().map(|leg| PlannedLeg { times: factor * leg.times, ..*leg }).collect());
-    circling.chain(repeated).collect()
 }
 
 /// The plan without what later manoeuvres made superfluous, and what showed no further effect. Of a plan that
@@ -324,17 +315,6 @@ mod tests {
         assert_eq!(super::longer(leg(PlannedManoeuvre::Turns, 15.0, 2)), None);
         assert_eq!(without(&legs, 0, 1), [leg(PlannedManoeuvre::PullUps, 3.0, 3)]);
         assert_eq!(without(&legs, 1, 1), [climb, leg(PlannedManoeuvre::PullUps, 3.0, 2)]);
-    }
-
-    #[test]
-    fn a_longer_plan_repeats_all_of_it_or_circles_after_it() {
-        let legs = [leg(PlannedManoeuvre::LongClimb, 40.0, 1), leg(PlannedManoeuvre::PullUps, 3.0, 3)];
-        let plans = longer_plans(&legs);
-        let times = |plan: &Vec<PlannedLeg>| plan.iter().map(|leg| leg.times).collect::<Vec<_>>();
-        let circling = (1..=5).map(|rounds| vec![1, 3, rounds]);
-        let wanted: Vec<Vec<u32>> = circling.chain([vec![2, 6], vec![3, 9]]).collect();
-        assert_eq!(plans.iter().map(times).collect::<Vec<_>>(), wanted);
-        assert!(plans[..5].iter().all(|plan| plan[..2] == legs && plan[2].duration_s == 300.0));
     }
 
     fn member(probability: f64, identified: Option<f64>) -> MemberOutlook {
