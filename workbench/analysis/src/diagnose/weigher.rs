@@ -192,7 +192,7 @@ impl<'a> Weigher<'a> {
         let rest = information.solve(&self.suspects.positions(&kept)).map_or(0.0, |solution| solution.rest);
         // As much as errors would leave if both sets differed in two parts of the flight only. Without this
         // limit more effects are missed and more are wrong ("A power for each pair of sets" in
-        // docs/blind-trials.md).
+        // docs/blind-trials-history.md).
         let most = 0.5 * SHAPE * (information.total() - rest).max(0.0);
         let least = at(1.0 / (base + most));
         if whole.max(least) < -2.0 * WINDOW {

@@ -22,7 +22,7 @@ const WITHIN_STEP: f64 = 1.0 / 12.0;
 /// The share of the shapes' bound that counts. The bound is reached by an error that lies exactly along the
 /// column; one that is a mixture of two shapes has half of its squares there. On the development seeds, half
 /// of the bound covers 93 % of the second family's coefficients and 98 % of the first's; all of it, 93 % and
-/// 100 % (docs/blind-trials.md).
+/// 100 % (docs/blind-trials-history.md).
 const OF_THE_BOUND: f64 = 0.5;
 
 /// The variance of a coefficient beyond that of the noise, in its unit squared.

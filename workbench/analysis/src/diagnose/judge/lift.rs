@@ -15,7 +15,7 @@ use crate::diagnose::search::Explanation;
 
 /// The largest angle between the zero-lift line and the line from which an angle of attack counts, rad: 5
 /// degrees, that of a strongly cambered section (Abbott and von Doenhoff, *Theory of Wing Sections*, appendix
-/// IV). docs/blind-trials.md says what flights with and without such an angle need.
+/// IV). docs/blind-trials-history.md says what flights with and without such an angle need.
 const ZERO_LIFT_RAD: f64 = 0.087;
 
 /// The smallest part of an angle of attack that carries the aircraft in level flight, rad: a lift coefficient

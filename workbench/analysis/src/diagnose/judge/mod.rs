@@ -62,7 +62,7 @@ pub(super) const SUSPECT: f64 = 0.05;
 
 /// The probability from which on an effect is identified: all others together are less than one suspect. Of
 /// the effects reported with 95 to 99 %, 45 of 48 act; of those reported with more, all but one in a hundred
-/// (docs/blind-trials.md).
+/// (docs/blind-trials-history.md).
 pub(super) const IDENTIFIED: f64 = 0.95;
 
 pub(crate) struct Judge<'a> {

@@ -21,7 +21,7 @@ use crate::progress::{Cancelled, Progress, step};
 
 /// Factor of the odds of an effect that the search did not choose. With it and the whole likelihood, of what
 /// is reported with some probability that share acts; with one and the power of `weigher.rs`, more acted of
-/// what was reported, and less of what was not (docs/blind-trials.md, "How probable weak effects are").
+/// what was reported, and less of what was not (docs/blind-trials-history.md, "How probable weak effects are").
 const PRIOR: f64 = 0.4;
 
 /// An effect in addition to the chosen ones.
