@@ -96,7 +96,9 @@ fn purpose(result: &PlanResult) -> String {
     let free_s: f64 = result.segments.iter().map(|segment| segment.duration_s).sum();
     let length = clock(free_s);
     let wanted = per_cent(RESOLVED);
-    let least = result.outlook.sets.iter().map(|set| set.resolved).fold(f64::INFINITY, f64::min);
+    let sets = &result.outlook.sets;
+    let least = sets.iter().map(|set| set.resolved).fold(f64::INFINITY, f64::min);
+    let resolved = sets.iter().filter(|set| set.resolved >= RESOLVED).count();
     match (result.aim, result.is_enough) {
         (Aim::Sets, true) => {
             format!(
@@ -106,6 +108,10 @@ fn purpose(result: &PlanResult) -> String {
         (Aim::Sets, false) if is_hopeless(result) => {
             format!("No plan that was tried resolves this: the best one would with {}.", per_cent(least))
         }
+        (Aim::Sets, false) if resolved > 0 => format!(
+            "No plan was found that resolves all of this with {wanted}. The best one takes {length} min of manoeuvres and resolves {resolved} of {all}.",
+            all = sets.len()
+        ),
         (Aim::Sets, false) => format!(
             "No plan was found that resolves this with {wanted}. The best one takes {length} min of manoeuvres and resolves it with {}.",
             per_cent(least)
@@ -264,5 +270,56 @@ mod tests {
         assert_eq!(cycle(&flown(&[up, down, up, down])), (2, 2));
         assert_eq!(cycle(&flown(&[up, down, ("Pull up", 2.0), down])), (1, 1), "another duration");
         assert_eq!(cycle(&flown(&[])), (1, 1));
+    }
+
+    #[test]
+    fn the_purpose_says_how_much_the_plan_resolves() {
+        let said = |resolved: &[f64]| {
+            let set = |resolved: &f64| SetOutlook { resolved: *resolved, ..SetOutlook::default() };
+            let outlook = Outlook { effects: Vec::new(), sets: resolved.iter().map(set).collect() };
+            let segments = flown(&[("Straight and level", 90.0)]);
+            let plan = planning::FlightPlan {
+                speed_mps: 28.0,
+                altitude_m: 500.0,
+                calibration_s: 60.0,
+                legs: Vec::new(),
+            };
+            let reached = planning::Reached {
+                airspeed_mps: [28.0, 28.0],
+                altitude_m: [500.0, 500.0],
+                load_factor: [1.0, 1.0],
+                distance_m: 4200.0,
+            };
+            purpose(&PlanResult {
+                version: 1,
+                model: "default".to_owned(),
+                file: None,
+                headline: String::new(),
+                advice: Vec::new(),
+                aim: Aim::Sets,
+                is_enough: resolved.iter().all(|resolved| *resolved >= RESOLVED),
+                plan,
+                segments,
+                reached,
+                duration_s: 150.0,
+                outlook,
+                remarks: Vec::new(),
+            })
+        };
+        let best = "No plan was found that resolves";
+        assert_eq!(
+            said(&[0.95, 0.1]),
+            format!(
+                "{best} all of this with 90 %. The best one takes 1:30 min of manoeuvres and resolves 1 of 2."
+            )
+        );
+        assert_eq!(
+            said(&[0.6, 0.5]),
+            format!(
+                "{best} this with 90 %. The best one takes 1:30 min of manoeuvres and resolves it with 50 %."
+            )
+        );
+        assert_eq!(said(&[0.001]), "No plan that was tried resolves this: the best one would with < 1 %.");
+        assert!(said(&[0.95, 0.9]).starts_with("The shortest plan found"), "{}", said(&[0.95, 0.9]));
     }
 }
