@@ -100,8 +100,8 @@ impl Judge<'_> {
     }
 
     /// Adds the effects on other sensors that would explain the same: beside one of them, the best one here
-    /// gains less than half of what it gains by itself. The reference's wander is in all sensors, so a scale of
-    /// one looks like the opposite scale of another.
+    /// gains less than half of what it gains by itself, so that the other one explains the larger part. The
+    /// reference's wander is in all sensors, so a scale of one looks like the opposite scale of another.
     fn add_from_elsewhere(
         &self,
         search: &mut Search<'_>,
