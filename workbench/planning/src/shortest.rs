@@ -19,7 +19,10 @@ use crate::{Flown, Planning, gain};
 
 /// The probability with which a plan is to resolve a set, or to show an effect.
 pub const RESOLVED: f64 = 0.9;
-/// Longest free flight of a plan, seconds.
+/// A plan that resolves a set with less is not worth a flight: the probability below which an effect is no
+/// suspect.
+pub const HOPELESS: f64 = 0.05;
+/// Longest free flight of a plan before circling is added, seconds.
 const LONGEST_S: f64 = 600.0;
 /// Ten minutes of circling, five to the right and five to the left, in which a slow effect has time to act.
 const CIRCLING: PlannedLeg =
@@ -86,6 +89,13 @@ impl Aim {
             Self::Effects => open(outlook).all(|effect| effect.detection_then >= RESOLVED),
             Self::Coefficients => true,
         }
+    }
+
+    /// Whether more of this plan would not help: every set is resolved or hopeless. What is not shown of the
+    /// effects that are not excited may as well be left.
+    fn is_settled(self, outlook: &Outlook) -> bool {
+        let is_settled = |set: &SetOutlook| set.resolved >= RESOLVED || set.resolved < HOPELESS;
+        self == Self::Effects || outlook.sets.iter().all(is_settled)
     }
 
     /// How many sets are resolved, or effects shown.
@@ -208,15 +218,15 @@ fn with_circling(planning: &Planning<'_>, best: Step, progress: &mut dyn FnMut()
     best
 }
 
-/// The plan without what later manoeuvres made superfluous, and what showed no further effect. Of a plan that
-/// does not resolve every set nothing is left out: all of it counts for the others.
+/// The plan without what later manoeuvres made superfluous, and what showed no further effect. Where a set is
+/// neither resolved nor hopeless nothing is left out: all of it counts for that one.
 fn trimmed(
     planning: &Planning<'_>,
     aim: Aim,
     mut best: Step,
     progress: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> Step {
-    while aim.achieved(&best.outlook) > 0 && (aim.is_reached(&best.outlook) || aim == Aim::Effects) {
+    while aim.achieved(&best.outlook) > 0 && aim.is_settled(&best.outlook) {
         let mut removals: Vec<(usize, u32)> =
             best.legs.iter().enumerate().flat_map(|(at, leg)| [(at, 1), (at, leg.times)]).collect();
         removals.dedup();
@@ -383,5 +393,7 @@ mod tests {
         let both = outlook(vec![effect(false, true, 0.0)], vec![set(0.95), set(0.85)]);
         assert_eq!((Aim::of(&both), Aim::of(&both).is_reached(&both)), (Aim::Sets, false));
         assert!(Aim::Sets.is_reached(&outlook(Vec::new(), vec![set(0.95), set(0.9)])));
+        let settled = |sets: [f64; 2]| Aim::Sets.is_settled(&outlook(Vec::new(), sets.map(set).to_vec()));
+        assert_eq!([[0.95, 0.9], [0.95, 0.04], [0.95, 0.06]].map(settled), [true, true, false]);
     }
 }

@@ -8,7 +8,7 @@ use analysis::diagnose::{Diagnosis, Further, NamedReplay, Planner, diagnose_furt
 use flight_data::Flight;
 use model::Model;
 
-pub use planning::shortest::{Aim, RESOLVED, Shortest, shortest};
+pub use planning::shortest::{Aim, HOPELESS, RESOLVED, Shortest, shortest};
 pub use planning::*;
 pub use text::{is_hopeless, text};
 

@@ -6,13 +6,9 @@ use analysis::diagnose::{EffectOutlook, Outlook, SetOutlook};
 use planning::PlannedSegment;
 use view::{Cell, Table};
 
-use super::{Aim, RESOLVED};
+use super::{Aim, HOPELESS, RESOLVED};
 use crate::diagnose::text::{per_cent, set_in_words};
 use crate::results::PlanResult;
-
-/// A plan that resolves a set with less is not worth a flight: the probability below which an effect is no
-/// suspect.
-const HOPELESS: f64 = 0.05;
 
 /// Writes a line to a string, which cannot fail.
 macro_rules! put {
