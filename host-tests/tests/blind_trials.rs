@@ -67,17 +67,3 @@ fn what_is_identified_is_added_and_removes_the_next_flights_error() {
         assert!(improvement.after_m < 0.25 * improvement.before_m, "{seed}: {improvement:?}");
     }
 }
-
-/// The reference's wander is in all sensors, so a barometer's scale may look like an accelerometer's: each had
-/// been said alone in place of the other, with "nothing" below 1 %, in a flight without any other effect and
-/// beside two that were identified on the barometer.
-#[test]
-fn a_weak_effect_has_its_rivals_on_other_sensors() {
-    for (family, seed) in [(Family::Kinematic, 3237), (Family::Dynamic, 8281)] {
-        let trial = run(draw(family, seed), false).unwrap();
-        let scales = ["baro.scale", "imu.accel_scale"];
-        let sets = trial.sets();
-        let set = sets.iter().find(|set| scales.iter().all(|id| set.effects.iter().any(|own| own == id)));
-        assert!(set.is_some_and(|set| trial.has_cause(set)), "{seed}: {sets:?}");
-    }
-}

@@ -145,17 +145,17 @@ impl Judge<'_> {
                 places.strongest = Some((size_m, verdict));
             }
         }
-        for rivals in &findings.weak {
-            let set = self.set(rivals);
-            if !set.concerns(subject) {
-                continue;
+        if places.strongest.is_none() {
+            for rivals in &findings.weak {
+                let set = self.set(rivals);
+                if !set.concerns(subject) {
+                    continue;
+                }
+                let size_m = self.size_m(findings, rivals.column);
+                places.explained += rivals.explained;
+                places.strongest = Some((size_m, Verdict::Indistinguishable));
+                places.add(&set);
             }
-            places.explained += rivals.explained;
-            // Beside a chosen effect, one of a weak set may be here in place of one on another sensor.
-            places
-                .strongest
-                .get_or_insert((self.size_m(findings, rivals.column), Verdict::Indistinguishable));
-            places.add(&set);
         }
         sized.sort_by(|a, b| b.0.total_cmp(&a.0));
         let effect = |k: usize| self.candidates[findings.rivals[k].column].effect();

@@ -10,10 +10,8 @@
 //! How probable an effect is within the set depends on the gains alone, as in `rivals.rs`: how large an effect
 //! can be does not show which of two acts.
 
-use kf_core::sensor::Sensor;
-
 use super::probable::EMPTY;
-use super::{Findings, Judge, SUSPECT, Set, with};
+use super::{Findings, Judge, Set, with};
 use crate::diagnose::repeatability::{inflation, repeatability};
 use crate::diagnose::rivals::{Rivals, price};
 use crate::diagnose::search::{Explanation, Search};
@@ -27,7 +25,6 @@ use crate::progress::{Cancelled, Progress, step};
 const PRIOR: f64 = 0.4;
 
 /// An effect in addition to the chosen ones.
-#[derive(Clone, Copy, Debug)]
 struct Weak {
     column: usize,
     /// Odds against nothing.
@@ -36,8 +33,6 @@ struct Weak {
     log_weight: f64,
     /// What it gains in twice the log likelihood.
     gain: f64,
-    /// The power of the likelihood.
-    power: f64,
 }
 
 impl Judge<'_> {
@@ -75,7 +70,16 @@ impl Judge<'_> {
         found: &[Rivals],
         progress: &mut Progress<'_>,
     ) -> Result<Option<Rivals>, Cancelled> {
-        let mut left = self.weighed(search, beside, &self.addable(findings, beside, found), progress)?;
+        let mut left = Vec::new();
+        for some in self.addable(findings, beside, found).chunks(self.problem.width()) {
+            let sets: Vec<Vec<usize>> =
+                some.iter().map(|(column, _)| with(&beside.columns, *column)).collect();
+            search.look_at(&sets, &beside.fit.values);
+            for (column, share) in some {
+                left.extend(self.weigh(search, beside, *column, *share));
+                step(progress)?;
+            }
+        }
         left.sort_by(|a, b| b.odds.total_cmp(&a.odds));
         while let Some(first) = left.first() {
             let subject = self.candidates[first.column].sensor();
@@ -84,95 +88,24 @@ impl Judge<'_> {
                 let own = self.candidates[weak.column].sensor();
                 subject.is_none() || own.is_none() || own == subject
             };
-            let (here, rest): (Vec<Weak>, Vec<Weak>) = left.into_iter().partition(is_here);
+            let (here, rest) = left.into_iter().partition(is_here);
             left = rest;
-            let best = here.iter().max_by(|a, b| a.log_weight.total_cmp(&b.log_weight)).copied();
-            if let (Some(mut place), Some(best)) = (place(here), best) {
-                if subject.is_some() {
-                    let occupied = self.occupied(findings, beside, found);
-                    left.extend(self.weighed(search, beside, &occupied, progress)?);
-                    self.add_from_elsewhere(search, beside, best, &left, &mut place);
-                }
+            if let Some(place) = place(here) {
                 return Ok(Some(place));
             }
         }
         Ok(None)
     }
 
-    /// Adds the effects on other sensors that would explain the same: beside one of them, the best one here
-    /// gains less than half of what it gains by itself, so that the other one explains the larger part. The
-    /// reference's wander is in all sensors, so a scale of one looks like the opposite scale of another.
-    fn add_from_elsewhere(
-        &self,
-        search: &mut Search<'_>,
-        beside: &Explanation,
-        best: Weak,
-        elsewhere: &[Weak],
-        place: &mut Rivals,
-    ) {
-        for other in elsewhere.iter().filter(|other| self.candidates[other.column].sensor().is_some()) {
-            // An error of a found effect's shape may be all that this one explains, but then also what the best
-            // one here does. So both count by what they gain alone.
-            let odds = libm::exp(0.5 * best.power * (other.gain - best.gain));
-            if odds < SUSPECT {
-                continue;
-            }
-            let both = with(&with(&beside.columns, other.column), best.column);
-            let fit = search.fit(&both, &beside.fit.values);
-            let left = fit.twice_log_posterior - beside.fit.twice_log_posterior - other.gain;
-            if left < 0.5 * best.gain {
-                place.add(other.column, odds);
-            }
-        }
-    }
-
-    /// These columns, each weighed against nothing.
-    fn weighed(
-        &self,
-        search: &mut Search<'_>,
-        beside: &Explanation,
-        columns: &[(usize, f64)],
-        progress: &mut Progress<'_>,
-    ) -> Result<Vec<Weak>, Cancelled> {
-        let mut weighed = Vec::new();
-        for some in columns.chunks(self.problem.width()) {
-            let sets: Vec<Vec<usize>> =
-                some.iter().map(|(column, _)| with(&beside.columns, *column)).collect();
-            search.look_at(&sets, &beside.fit.values);
-            for (column, share) in some {
-                weighed.extend(self.weigh(search, beside, *column, *share));
-                step(progress)?;
-            }
-        }
-        Ok(weighed)
-    }
-
     /// The effects that could act on sensors for which none was chosen: the column of each that fits best
     /// under the chosen noise, and the share of its columns that fit as well.
     fn addable(&self, findings: &Findings, beside: &Explanation, found: &[Rivals]) -> Vec<(usize, f64)> {
-        let is_taken = self.is_taken(findings, found);
-        self.best_columns(beside, |sensor| !is_taken(sensor) && (sensor.is_some() || found.is_empty()))
-    }
-
-    /// The same of the sensors for which one was chosen.
-    fn occupied(&self, findings: &Findings, beside: &Explanation, found: &[Rivals]) -> Vec<(usize, f64)> {
-        let is_taken = self.is_taken(findings, found);
-        self.best_columns(beside, |sensor| sensor.is_some() && is_taken(sensor))
-    }
-
-    /// Whether an effect was chosen for a sensor (`None`: the reference).
-    fn is_taken(&self, findings: &Findings, found: &[Rivals]) -> impl Fn(Option<Sensor>) -> bool + use<> {
-        let sets: Vec<Set> = findings.rivals.iter().chain(found).map(|rivals| self.set(rivals)).collect();
-        move |sensor| sets.iter().any(|set| set.concerns(sensor))
-    }
-
-    fn best_columns(
-        &self,
-        beside: &Explanation,
-        is_wanted: impl Fn(Option<Sensor>) -> bool,
-    ) -> Vec<(usize, f64)> {
         let information = self.suspects.information(self.problem, &beside.fit.noise);
-        let is_wanted = |column: usize| is_wanted(self.candidates[column].sensor());
+        let sets: Vec<Set> = findings.rivals.iter().chain(found).map(|rivals| self.set(rivals)).collect();
+        let is_wanted = |column: usize| {
+            let sensor = self.candidates[column].sensor();
+            !sets.iter().any(|set| set.concerns(sensor)) && (sensor.is_some() || found.is_empty())
+        };
         let additional = self.additional(&information, &beside.columns, is_wanted);
         additional.into_iter().map(|additional| (additional.column, additional.share)).collect()
     }
@@ -207,7 +140,7 @@ impl Judge<'_> {
         let power = 1.0 / (inflation.max(1.0 / POWER) + of_shapes);
         let log_weight = 0.5 * power * gain;
         let price = price(self.candidates[column].effect(), &solution, at) + libm::log(share);
-        Some(Weak { column, odds: PRIOR * libm::exp(log_weight / POWER + price), log_weight, gain, power })
+        Some(Weak { column, odds: PRIOR * libm::exp(log_weight / POWER + price), log_weight, gain })
     }
 }
 

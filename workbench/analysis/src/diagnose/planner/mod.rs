@@ -73,7 +73,7 @@ struct Set {
     unlisted: Vec<Suspect>,
     /// Pairs of effects of which the second is at least as probable as the first: it would look like it.
     stand_ins: Vec<(EffectId, EffectId)>,
-    /// The probability that none acts, from [`SUSPECT`] on.
+    /// The probability that none acts, from [`judge::SUSPECT`] on.
     nothing: Option<f64>,
 }
 
