@@ -88,6 +88,11 @@ pub fn segments(plan: &FlightPlan) -> Vec<Segment> {
     segments
 }
 
+/// Rate of a level turn at this bank, degrees, and true airspeed, m/s: `g tan(bank) / V`, rad/s.
+pub fn turn_rate_radps(bank_deg: f64, speed_mps: f64) -> f64 {
+    GRAVITY * libm::tan(bank_deg.to_radians()) / speed_mps
+}
+
 fn segment(manoeuvre: &'static str, duration_s: f64, keys: &[(&'static str, f64)]) -> Segment {
     Segment { manoeuvre, duration_s, keys: keys.to_vec() }
 }
@@ -136,8 +141,7 @@ fn once(leg: &PlannedLeg, speed_mps: f64, out: &mut Vec<Segment>) {
             out.push(segment("accelerate", duration_s, &fast));
             out.push(segment("decelerate", duration_s, &slow));
             // A quarter of a circle at this bank and speed.
-            let rate = GRAVITY * libm::tan(LEG_BANK_DEG.to_radians()) / speed_mps;
-            let quarter_s = core::f64::consts::FRAC_PI_2 / rate;
+            let quarter_s = core::f64::consts::FRAC_PI_2 / turn_rate_radps(LEG_BANK_DEG, speed_mps);
             out.push(segment("turn", quarter_s, &[("bank_deg", LEG_BANK_DEG), ("airspeed_mps", speed_mps)]));
         }
     }

@@ -27,7 +27,8 @@ const LONGEST_S: f64 = 600.0;
 /// Ten minutes of circling, five to the right and five to the left, in which a slow effect has time to act.
 const CIRCLING: PlannedLeg =
     PlannedLeg { manoeuvre: PlannedManoeuvre::Turns, amount: 20.0, duration_s: 300.0, times: 1 };
-/// Most repetitions of it that are considered.
+/// Most repetitions of it: 50 minutes are nearly four times the longest time constant that a diagnosis tries,
+/// 800 s, after which a warming up is over and a drift is not.
 const MOST_CIRCLING: u32 = 5;
 /// Most manoeuvres added one after the other.
 const STEPS: usize = 12;

@@ -2,9 +2,7 @@
 
 use simulate::scenario::{Manoeuvre, Segment};
 
-/// Turns of at least this duration go round more than once, seconds: at 10 degrees of bank and 28 m/s a circle
-/// takes 102 s.
-const CIRCLING_S: f64 = 120.0;
+use crate::manoeuvres::turn_rate_radps;
 
 /// What to do, as a pilot reads it; `airspeed_mps` is the airspeed to hold.
 pub fn words(segment: &Segment, airspeed_mps: f64) -> String {
@@ -20,8 +18,10 @@ pub fn words(segment: &Segment, airspeed_mps: f64) -> String {
         (Manoeuvre::PullUp, Some(most)) => format!("Pull up to {path}, not above {most:.1} g"),
         (Manoeuvre::PullUp, None) => format!("Pull up to {path}, {speed}"),
         (Manoeuvre::Turn, _) => {
-            let side = if segment.bank_deg.unwrap_or(0.0) > 0.0 { "right" } else { "left" };
-            let turn = if segment.duration_s < CIRCLING_S { "Turn" } else { "Circle to the" };
+            let bank_deg = segment.bank_deg.unwrap_or(0.0);
+            let side = if bank_deg > 0.0 { "right" } else { "left" };
+            let turned = turn_rate_radps(bank_deg.abs(), airspeed_mps) * segment.duration_s;
+            let turn = if turned < core::f64::consts::TAU { "Turn" } else { "Circle to the" };
             format!("{turn} {side} at {} of bank, {speed}", degrees(segment.bank_deg))
         }
         (Manoeuvre::LevelOff, _) => format!("Level off, {speed}"),
@@ -58,5 +58,7 @@ mod tests {
         let circling =
             Segment { duration_s: 300.0, bank_deg: Some(20.0), manoeuvre: Manoeuvre::Turn, ..plain };
         assert_eq!(words(&circling, 28.0), "Circle to the right at 20° of bank, 28 m/s");
+        // Six times round at 28 m/s, and less than once at 350 m/s.
+        assert_eq!(words(&circling, 350.0), "Turn right at 20° of bank, 350 m/s");
     }
 }

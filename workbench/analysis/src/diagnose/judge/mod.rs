@@ -79,7 +79,7 @@ pub(crate) struct Judge<'a> {
 pub(super) struct Set {
     /// Effects with their probabilities, the most probable first.
     pub(super) effects: Vec<(EffectId, f64)>,
-    /// Effects that are too improbable to be listed, with their probabilities.
+    /// Effects that are too improbable to be listed, with their probabilities; none beside an identified one.
     pub(super) unlisted: Vec<(EffectId, f64)>,
     /// The probability that none acts, from [`SUSPECT`] on, and wherever the evidence was too little to choose
     /// one.
@@ -263,8 +263,7 @@ impl Judge<'_> {
             Some(rivals.odds_of_nothing / total).filter(|nothing| rivals.is_weak || *nothing >= SUSPECT);
         let acts = rivals.acts.unwrap_or_else(|| set.first().map_or(0.0, |(_, probability)| *probability));
         if !rivals.is_weak && acts >= IDENTIFIED && set.first().is_some_and(|(effect, _)| *effect == own) {
-            let unlisted = set.split_off(1);
-            return Set { effects: vec![(own, acts)], unlisted, nothing, is_identified: true };
+            return Set { effects: vec![(own, acts)], unlisted: Vec::new(), nothing, is_identified: true };
         }
         let listed = set.iter().take_while(|(_, probability)| *probability >= SUSPECT).count();
         let listed = listed.max(if nothing.is_some() { 1 } else { 2 });

@@ -182,7 +182,7 @@ impl Planner {
         let set = |rivals: &rivals::Rivals| {
             let judge::Set { effects, unlisted, nothing, is_identified } = judge.set(rivals);
             let all = || effects.iter().chain(&unlisted).map(|(_, probability)| probability);
-            // The rest of an identified effect's probability has no member.
+            // Nothing, where it is too improbable to be listed, is assumed not to be so.
             let any: f64 = nothing.unwrap_or(0.0) + all().sum::<f64>();
             let column = |effect: EffectId| {
                 let mut all = std::iter::once(rivals.column).chain(rivals.others.iter().copied());

@@ -51,9 +51,9 @@ impl Planner {
         found.filter(|other| self.candidates[*other].effect() != effect).collect()
     }
 
-    /// The fits of this column and those beside it, or of another one of the same effect: another time constant,
-    /// or another shape of a delay. They must be physically possible. The first one is what the diagnosis says,
-    /// which may stand in for another effect.
+    /// The fits of each column of this column's effect, with those beside it: another time constant, or another
+    /// shape of a delay. They must be physically possible, but for this column itself: the diagnosis reported it,
+    /// and it may stand in for another effect.
     fn fits(
         &self,
         of: &Information,
@@ -73,11 +73,8 @@ impl Planner {
 
     /// The columns of this column's effect.
     fn alike(&self, column: usize) -> impl Iterator<Item = usize> + use<'_> {
-        let same = move |other: &usize| {
-            let [one, other] = [column, *other].map(|column| &self.candidates[column]);
-            one.effect() == other.effect() && one.sensor() == other.sensor()
-        };
-        self.columns.iter().copied().filter(same)
+        let effect = self.candidates[column].effect();
+        self.columns.iter().copied().filter(move |other| self.candidates[*other].effect() == effect)
     }
 
     /// What would be found with the planned flight if this member of a set is the one that acts: the mean over
@@ -95,7 +92,8 @@ impl Planner {
         let (mut weights, mut heaviest) = (0.0, 0.0);
         for Version { column, solution, power, log_likelihood } in &versions {
             let likelihood = libm::exp(log_likelihood - best);
-            if likelihood < NEGLIGIBLE {
+            // As the diagnosis lists no suspect that is less probable.
+            if likelihood < SUSPECT {
                 continue;
             }
             for (deviation, weight) in COEFFICIENTS {
@@ -125,8 +123,7 @@ impl Planner {
         coefficients: &[f64],
         flown: &Information,
     ) -> Option<Would> {
-        let with = |column: usize| self.positions(&[beside, &[column]].concat());
-        let acting = with(truth);
+        let acting = self.positions(&[beside, &[truth]].concat());
         let truth_now = self.information.solve(&acting)?;
         let both = self.information.plus(&flown.with_response(&acting, coefficients));
         let truth_then = both.solve(&acting)?;
@@ -244,8 +241,6 @@ const COEFFICIENTS: [(f64, f64); 5] = [
     (1.355_626, 0.222_076),
     (2.856_970, 0.011_257),
 ];
-/// Likelihood, relative to the best, below which a time constant does not count.
-const NEGLIGIBLE: f64 = 0.05;
 
 /// The worth of an effect's fit, without what all of a set share.
 fn worth(power: f64, solution: &Solution) -> f64 {
