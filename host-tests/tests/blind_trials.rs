@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use host_tests::blind::{Family, Score, draw, run, table};
+use pylon::diagnose::Verdict;
 
 const FIRST_SEED: u64 = 9_001;
 const TRIALS: u64 = 60;
@@ -65,5 +66,28 @@ fn what_is_identified_is_added_and_removes_the_next_flights_error() {
         let improvement = trial.improvement.unwrap();
         assert!(improvement.refused.is_empty(), "{seed}: {:?}", improvement.refused);
         assert!(improvement.after_m < 0.25 * improvement.before_m, "{seed}: {improvement:?}");
+    }
+}
+
+/// An error of the inertial altitude that is not in the catalogue (the integral of the roll angle) is reported as
+/// that, and nothing else is blamed. A receiver that converges and a barometer that warms up, which cancel on the
+/// barometer, had been offered in its place; and on 8400 a bias of the accelerometer.
+#[test]
+fn an_unknown_error_of_the_inertial_altitude_blames_nothing_else() {
+    let roll = "the integral of roll_rad since launch";
+    for (family, seed, follows) in [
+        (Family::Dynamic, 8400, Some(roll)),
+        (Family::Dynamic, 8209, Some(roll)),
+        (Family::Dynamic, 8474, None),
+        (Family::Kinematic, 4938, None),
+    ] {
+        let trial = run(draw(family, seed), false).unwrap();
+        let diagnosis = &trial.diagnosis;
+        assert_eq!(diagnosis.verdict, Verdict::UnknownEffect, "{seed}");
+        assert_eq!(diagnosis.sensors["imu_slave"].verdict, Verdict::UnknownEffect, "{seed}");
+        assert!(trial.identified().is_empty() && trial.sets().is_empty(), "{seed}: {:?}", trial.sets());
+        if let Some(follows) = follows {
+            assert_eq!(diagnosis.sensors["imu_slave"].follows[0].signal, follows, "{seed}");
+        }
     }
 }

@@ -128,5 +128,5 @@ pub(crate) mod parts {
     pub(crate) use super::suspects::Suspects;
     pub(crate) use super::unknown::{BETTER, SHAPE, SHAPE_WITHOUT_CLIMB_RATE};
     pub(crate) use super::whitener::{LANES, whiten_by_groups};
-    pub(crate) use super::work::{Judged, judged};
+    pub(crate) use super::work::{Doubtful, Judged, judged};
 }

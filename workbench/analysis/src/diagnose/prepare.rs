@@ -66,10 +66,10 @@ impl Prepared {
         let wind = wind(&mut epochs, &mut held);
         for (named, epochs) in flights.iter().chain(hold_outs).zip(epochs.iter_mut().chain(&mut held)) {
             if barometer::check(named.replay.flight()).is_some() {
-                leave_out(epochs, Sensor::Baro.index());
+                leave_out(&mut epochs.series, Sensor::Baro.index());
             }
             if barometer::check_inertial(named.replay.flight()).is_some() {
-                leave_out(epochs, Sensor::ImuSlave.index());
+                leave_out(&mut epochs.series, Sensor::ImuSlave.index());
             }
         }
         let available = |column: usize| epochs.iter().all(|epochs| epochs.available[column]);
@@ -84,6 +84,14 @@ impl Prepared {
             epochs,
             known,
             has_climb_rate,
+        }
+    }
+
+    /// Leaves out a sensor's readings, of the flights held out too.
+    pub(super) fn leave_out(&mut self, sensor: Sensor) {
+        let of_epochs = self.epochs.iter_mut().map(|epochs| &mut epochs.series);
+        for series in of_epochs.chain(&mut self.series).chain(&mut self.held) {
+            leave_out(series, sensor.index());
         }
     }
 
@@ -136,8 +144,7 @@ impl Prepared {
 }
 
 /// Removes a sensor that did not measure from a flight.
-fn leave_out(epochs: &mut Epochs, sensor: usize) {
-    let series = &mut epochs.series;
+fn leave_out(series: &mut Series, sensor: usize) {
     for (residuals, readings) in series.residual_m.iter_mut().zip(&mut series.readings) {
         residuals[sensor] = f64::NAN;
         readings[sensor] = 0;

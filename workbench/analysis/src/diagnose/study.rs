@@ -8,7 +8,7 @@ use super::learning_problem::LearningProblem;
 use super::low_pass::LowPassDelay;
 use super::named_replay::NamedReplay;
 use super::wanted_effect::{Tried, WantedEffect};
-use super::work::{Work, judged};
+use super::work::{Doubtful, Work, judged};
 use crate::progress::{Cancelled, Progress, step};
 
 /// A diagnosis of flights with a model that lacks the effect, and what the effect's coefficient is to be
@@ -47,8 +47,15 @@ pub fn study_remembering(
     let work = match work.filter(|work| time_constants_s.is_empty() && work.serves(wanted)) {
         Some(work) => work,
         None => {
-            let (diagnosis, made) =
-                judged(flights, hold_outs, Some(tried), progress, executor, |_, _| Ok(()))?;
+            let (diagnosis, made) = judged(
+                flights,
+                hold_outs,
+                Some(tried),
+                Doubtful::LeftOut,
+                progress,
+                executor,
+                |_, _| Ok(()),
+            )?;
             let Some(((), work)) = made else { return Ok((diagnosis, None)) };
             new = work;
             &new

@@ -1,11 +1,13 @@
 //! What nothing in the catalogue explains: signals that the remainder follows, and wander that exists only in
 //! free flight.
 
+use kf_core::sensor::Sensor;
+
 use super::diagnosis::Follows;
 use super::epochs::Epochs;
 use super::information::{Information, own_coefficients};
 use super::problem::{NoiseFit, Problem};
-use super::unknown_columns::{Extra, LAGS_S, PLAYS_M, Shape, Test, extra_columns, spread};
+use super::unknown_columns::{Extra, LAGS_S, PLAYS_M, Shape, Test, Times, extra_columns, spread};
 use super::whitener::whiten;
 
 /// Gain in twice the log likelihood that a signal needs beyond the best of as many by chance: more than an
@@ -112,7 +114,7 @@ pub fn unexplained(
     found
 }
 
-/// Every function of every signal, and a jump where the sensor's innovations are largest.
+/// Every function of every signal, on an inertial altitude their integrals too, and a jump where the sensor's innovations are largest.
 fn tests(
     problem: &Problem<'_>,
     epochs: &[Epochs],
@@ -123,6 +125,10 @@ fn tests(
     let signals = epochs.first().map_or(0, |first| first.signal_names.len());
     let mut tests = Vec::new();
     for signal in 0..signals {
+        // An inertial altitude integrates the errors of its velocity and of its acceleration.
+        if sensor == Sensor::ImuSlave.index() {
+            tests.extend(Times::ALL.map(|times| Test::Integral { signal, times }));
+        }
         for shape in Shape::ALL {
             for lag_s in LAGS_S {
                 // The rate is the difference from a low pass, so it has a lag of its own.

@@ -1,5 +1,5 @@
-//! What a remainder may follow: functions of signals with a lag, a play on the altitude, jumps; and their
-//! columns.
+//! What a remainder may follow: functions of signals with a lag, their integrals since launch, a play on the
+//! altitude, jumps; and their columns.
 
 use super::epochs::Epochs;
 use super::series::BySensor;
@@ -16,10 +16,24 @@ pub const PLAYS_M: [f64; 4] = [4.0, 10.0, 25.0, 60.0];
 pub enum Test {
     /// A function of a signal, through a low pass.
     Signal { signal: usize, shape: Shape, lag_s: f64 },
+    /// A signal about its mean in captive flight, integrated once or twice since launch: how an inertial
+    /// altitude shows an error of its velocity or of its acceleration.
+    Integral { signal: usize, times: Times },
     /// Elastic hysteresis: the sensor follows only when the altitude has moved on by the half-width.
     Play { half_width_m: f64 },
     /// A permanent jump, in this block of this flight.
     Jump { flight: usize, block: usize },
+}
+
+/// How often a signal is integrated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Times {
+    Once,
+    Twice,
+}
+
+impl Times {
+    pub const ALL: [Self; 2] = [Self::Once, Self::Twice];
 }
 
 /// A function of a signal.
@@ -48,16 +62,23 @@ impl Test {
     /// Number of columns. A jump within a block has two: the block's own share, and the rest.
     pub const fn width(self) -> usize {
         match self {
-            Self::Signal { .. } | Self::Play { .. } => 1,
+            Self::Signal { .. } | Self::Integral { .. } | Self::Play { .. } => 1,
             Self::Jump { .. } => 2,
         }
     }
 
     pub fn describe(self, epochs: &[Epochs]) -> (String, f64) {
+        let name = |signal: usize| {
+            epochs.first().and_then(|first| first.signal_names.get(signal)).map_or("?", String::as_str)
+        };
         match self {
-            Self::Signal { signal, shape, lag_s } => {
-                let name = epochs.first().and_then(|first| first.signal_names.get(signal));
-                (shape.describe(name.map_or("?", String::as_str)), lag_s)
+            Self::Signal { signal, shape, lag_s } => (shape.describe(name(signal)), lag_s),
+            Self::Integral { signal, times } => {
+                let integral = match times {
+                    Times::Once => "integral",
+                    Times::Twice => "double integral",
+                };
+                (format!("the {integral} of {} since launch", name(signal)), 0.0)
             }
             Self::Play { half_width_m } => {
                 (format!("altitude with a play of +-{half_width_m:.0} m (hysteresis)"), 0.0)
@@ -79,6 +100,7 @@ pub fn extra_columns(epochs: &[Epochs], tests: &[Test], sensor: usize) -> Extra 
     let of_flight = |(flight, epochs): (usize, &Epochs)| {
         let values = |test: &Test| match *test {
             Test::Signal { signal, shape, lag_s } => vec![signal_values(epochs, signal, shape, lag_s)],
+            Test::Integral { signal, times } => vec![integral(epochs, signal, times)],
             Test::Play { half_width_m } => {
                 let altitudes_m = epochs.signals.iter().map(|block| block[CLIMBED]);
                 vec![play(altitudes_m, half_width_m)]
@@ -118,6 +140,46 @@ fn signal_values(epochs: &Epochs, signal: usize, shape: Shape, lag_s: f64) -> Ve
         Shape::Rate => (now - slow) / lag_s,
     });
     shaped.collect()
+}
+
+/// A signal about its mean in captive flight, or about its mean where none was recorded, integrated since
+/// launch; zero where a flight lacks the signal. A block's value is that at its middle.
+fn integral(epochs: &Epochs, signal: usize, times: Times) -> Vec<f64> {
+    let series = &epochs.series;
+    let values: Vec<f64> = epochs.signals.iter().map(|block| block[signal]).collect();
+    let Some(mean) =
+        mean(values.iter().zip(&series.free).filter(|(_, free)| !**free).map(|(value, _)| *value))
+            .or_else(|| mean(values.iter().copied()))
+    else {
+        return vec![0.0; values.len()];
+    };
+    let (mut once, mut twice) = (0.0, 0.0);
+    let mut last: Option<(f64, f64)> = None;
+    let integrals = values.iter().zip(&series.time_s).zip(&series.free).map(|((value, time_s), free)| {
+        if !*free {
+            return 0.0;
+        }
+        let now = if value.is_finite() { value - mean } else { last.map_or(0.0, |(value, _)| value) };
+        // The first block in free flight begins at launch.
+        let (before, step_s) = last.map_or((now, 0.5 * series.block_s), |(value, s)| (value, time_s - s));
+        let gained = 0.5 * (before + now) * step_s;
+        twice += (once + 0.5 * gained) * step_s;
+        once += gained;
+        last = Some((now, *time_s));
+        match times {
+            Times::Once => once,
+            Times::Twice => twice,
+        }
+    });
+    integrals.collect()
+}
+
+/// The mean of those that are known.
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values
+        .filter(|value| value.is_finite())
+        .fold((0.0, 0_u32), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// What a play adds to altitudes, metres; zero where there is no altitude.
@@ -166,6 +228,7 @@ fn pick(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::series::Series;
 
     #[test]
     fn a_play_follows_only_when_the_altitude_has_gone_on_by_its_half_width() {
@@ -174,6 +237,51 @@ mod tests {
         // Up to 110 within the play; at 130 dragged to 120; at 110 again from 110 downwards; at 105 dragged
         // to 115.
         assert_eq!(lags, [0.0, -5.0, -10.0, -10.0, -5.0, 8.0, 10.0, 0.0, 5.0]);
+    }
+
+    /// A signal of 3 in captive flight, and of 3 + 2 t at t after launch: of its change, t^2 and t^3 / 3. A block
+    /// without the signal is bridged by the value before.
+    #[test]
+    fn integrals_begin_at_launch_and_leave_out_what_captive_flight_had() {
+        let (captive, free, block_s) = (4, 20, 0.5);
+        let since_launch_s = |block: usize| (block as f64 - captive as f64 + 0.5) * block_s;
+        let of = |signal: &dyn Fn(usize) -> f64| Epochs {
+            series: Series {
+                time_s: (0..captive + free).map(|block| 100.0 + block as f64 * block_s).collect(),
+                free: (0..captive + free).map(|block| block >= captive).collect(),
+                block_s,
+                ..Series::default()
+            },
+            available: Vec::new(),
+            column_noise_m2: Vec::new(),
+            climb_noise_m2: 0.0,
+            signals: (0..captive + free).map(|block| vec![signal(block)]).collect(),
+            signal_names: vec!["roll_rad".to_owned()],
+            glitches: Vec::new(),
+            steps: Vec::new(),
+            unreferenced: 0,
+            refused: 0,
+        };
+        let epochs = of(&|block| 3.0 + 2.0 * since_launch_s(block).max(0.0));
+        let (once, twice) = (integral(&epochs, 0, Times::Once), integral(&epochs, 0, Times::Twice));
+        for block in 0..captive + free {
+            let t = since_launch_s(block).max(0.0);
+            // The first half block is taken as constant, which adds 1/16; that and the trapezoids add t / 16 and
+            // t / 24 to the double integral.
+            assert!((once[block] - t * t).abs() < 0.063, "{t}: {}", once[block]);
+            assert!((twice[block] - t * t * t / 3.0).abs() < 0.105 * t + 0.02, "{t}: {}", twice[block]);
+        }
+        assert_eq!(once[..captive], [0.0; 4]);
+
+        let unknown = of(&|_| f64::NAN);
+        assert_eq!(integral(&unknown, 0, Times::Twice), vec![0.0; captive + free]);
+        let gap = of(&|block| match block {
+            0..4 => 3.0,
+            10 => f64::NAN,
+            _ => 4.0,
+        });
+        let last = integral(&gap, 0, Times::Once)[captive + free - 1];
+        assert!((last - since_launch_s(captive + free - 1)).abs() < 1e-9, "{last}");
     }
 
     /// A low pass follows a step exponentially; without a time constant it is the signal itself.

@@ -6,7 +6,7 @@ use kf_core::sensor::Sensor;
 use model::Model;
 
 use super::candidates::Candidate;
-use super::diagnosis::{DiagnosedFlight, Diagnosis, Untested};
+use super::diagnosis::{DiagnosedFlight, Diagnosis, Untested, Verdict};
 use super::epochs::Epochs;
 use super::judge::{Findings, Judge};
 use super::learning_problem::LearningProblem;
@@ -31,7 +31,18 @@ pub fn diagnose(
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
 ) -> Result<Diagnosis, Cancelled> {
-    Ok(judged(flights, hold_outs, None, progress, executor, |_, _| Ok(()))?.0)
+    Ok(judged(flights, hold_outs, None, Doubtful::LeftOut, progress, executor, |_, _| Ok(()))?.0)
+}
+
+/// What becomes of a sensor on which something acts that is not in the catalogue, where sets of effects concern
+/// the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Doubtful {
+    /// The others are diagnosed again without it: an effect of the reference is in all sensors, and one that
+    /// cancels with an effect on another sensor may imitate the error of this one alone.
+    LeftOut,
+    /// It stays, because its error is what is looked for.
+    Kept,
 }
 
 /// A diagnosis, and what it is based on.
@@ -59,31 +70,94 @@ pub(crate) fn judged<T>(
     flights: &[NamedReplay<'_>],
     hold_outs: &[NamedReplay<'_>],
     tried: Option<Tried<'_>>,
+    doubtful: Doubtful,
     progress: &mut Progress<'_>,
     executor: &dyn Executor,
     then: impl FnOnce(&Judged<'_, '_>, &mut Progress<'_>) -> Result<T, Cancelled>,
 ) -> Result<(Diagnosis, Option<(T, Work)>), Cancelled> {
     let Some(first) = flights.first() else { return Ok((Diagnosis::default(), None)) };
     let model = first.replay.model();
-    let prepared = Prepared::new(flights, hold_outs, model, tried, executor);
-    let prior = noise_prior(&prepared, model);
-    let bench = Bench { prepared: &prepared, prior: &prior, executor };
-    let (diagnosis, made, findings, seen) = bench.work(|judge| {
-        let mut search = Search::new(judge.problem, judge.suspects);
-        let explanation =
-            if prepared.has_climb_rate { search.run(progress)? } else { search.start(progress)? };
-        let (mut diagnosis, findings) = judge.verdicts(&mut search, explanation, progress)?;
-        diagnosis.version = Diagnosis::VERSION;
-        let named = flights.iter().zip(&prepared.epochs);
-        diagnosis.flights = named.map(|(named, epochs)| facts(named, epochs)).collect();
-        diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
-        diagnosis.untested = untested(&prepared.candidates, flights, &prepared.epochs);
-        diagnosis.warnings = limits(flights, &prepared.epochs, model, &diagnosis, judge.problem.is_alone());
-        let made = then(&Judged { judge, prepared: &prepared, findings: &findings }, progress)?;
-        Ok((diagnosis, made, findings, search.into_seen()))
-    })?;
-    let work = Work { diagnosis: diagnosis.clone(), prepared, prior, findings, seen };
-    Ok((diagnosis, Some((made, work))))
+    let mut prepared = Prepared::new(flights, hold_outs, model, tried, executor);
+    let mut without: Option<(Sensor, Diagnosis)> = None;
+    let mut then = Some(then);
+    loop {
+        let prior = noise_prior(&prepared, model);
+        let bench = Bench { prepared: &prepared, prior: &prior, executor };
+        let outcome = bench.work(|judge| {
+            let mut search = Search::new(judge.problem, judge.suspects);
+            let explanation =
+                if prepared.has_climb_rate { search.run(progress)? } else { search.start(progress)? };
+            let (mut diagnosis, findings) = judge.verdicts(&mut search, explanation, progress)?;
+            diagnosis.untested = untested(&prepared.candidates, flights, &prepared.epochs);
+            let is_alone = judge.problem.is_alone();
+            diagnosis.warnings = limits(flights, &prepared.epochs, model, &diagnosis, is_alone);
+            let may_leave_out =
+                |sensor: &Sensor| tried.is_none_or(|tried| !tried.wanted.effect.acts_on(*sensor));
+            if let Some((sensor, first)) = &without {
+                take_over(&mut diagnosis, *sensor, first);
+            } else if prepared.has_climb_rate
+                && doubtful == Doubtful::LeftOut
+                && let Some(sensor) = doubtful_sensor(&diagnosis).filter(may_leave_out)
+            {
+                return Ok(Outcome::Without(sensor, diagnosis));
+            }
+            diagnosis.version = Diagnosis::VERSION;
+            let named = flights.iter().zip(&prepared.epochs);
+            diagnosis.flights = named.map(|(named, epochs)| facts(named, epochs)).collect();
+            diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
+            let judged = Judged { judge, prepared: &prepared, findings: &findings };
+            let made = then.take().map(|then| then(&judged, progress)).transpose()?;
+            Ok(Outcome::Final(diagnosis, made, findings, search.into_seen()))
+        })?;
+        match outcome {
+            Outcome::Without(sensor, diagnosis) => {
+                prepared.leave_out(sensor);
+                without = Some((sensor, diagnosis));
+            }
+            Outcome::Final(diagnosis, made, findings, seen) => {
+                let left_out = without.map(|(sensor, _)| sensor);
+                let work = Work { diagnosis: diagnosis.clone(), prepared, prior, findings, seen, left_out };
+                return Ok((diagnosis, made.map(|made| (made, work))));
+            }
+        }
+    }
+}
+
+/// What a diagnosis came to.
+enum Outcome<T> {
+    /// It is to be made again without this sensor ([`Doubtful::LeftOut`]).
+    Without(Sensor, Diagnosis),
+    Final(Diagnosis, Option<T>, Findings, Seen),
+}
+
+/// The sensor on which something unknown acts, if sets concern the reference and nothing is identified. What
+/// is identified has been distinguished from everything else, and may have been by this sensor's help; sets of
+/// one sensor's own effects come from its own readings.
+fn doubtful_sensor(diagnosis: &Diagnosis) -> Option<Sensor> {
+    let free = || Sensor::ALL.into_iter().filter(|sensor| sensor.flies_free());
+    let of = |sensor: Sensor| diagnosis.sensors.get(sensor.name());
+    let mut unknown =
+        free().filter(|sensor| of(*sensor).is_some_and(|found| found.verdict == Verdict::UnknownEffect));
+    let sensor = unknown.next()?;
+    let has_other = free().any(|other| other != sensor && of(other).is_some());
+    let is_identified = diagnosis.missing().next().is_some();
+    let is_of_reference = diagnosis.sensors.get("gps").is_some_and(|gps| !gps.indistinguishable.is_empty());
+    (unknown.next().is_none() && has_other && is_of_reference && !is_identified).then_some(sensor)
+}
+
+/// Completes a diagnosis that was made without a sensor by what the first one, with all of them, says of it.
+fn take_over(diagnosis: &mut Diagnosis, sensor: Sensor, first: &Diagnosis) {
+    let name = sensor.name();
+    if let Some(found) = first.sensors.get(name) {
+        diagnosis.sensors.insert(name.into(), found.clone());
+    }
+    if first.verdict == Verdict::UnknownEffect || diagnosis.verdict < Verdict::Identified {
+        diagnosis.verdict = Verdict::UnknownEffect;
+    }
+    diagnosis.untested.clone_from(&first.untested);
+    diagnosis.warnings.push(format!(
+        "{name} has an error that no effect of the catalogue explains: the other sensors are diagnosed without it"
+    ));
 }
 
 fn noise_prior(prepared: &Prepared, model: &Model) -> NoisePrior {
@@ -122,12 +196,14 @@ pub struct Work {
     prior: NoisePrior,
     findings: Findings,
     seen: Seen,
+    /// The sensor that it was made without ([`Doubtful::LeftOut`]).
+    left_out: Option<Sensor>,
 }
 
 impl Work {
     /// Whether a study of this effect, with the catalogue's time constants if it has one, would repeat
-    /// exactly this work. It would not where it has time constants of its own to try, or where the model had
-    /// the effect already.
+    /// exactly this work. It would not where it has time constants of its own to try, where the model had the
+    /// effect already, or where its sensor was left out.
     pub(super) fn serves(&self, wanted: WantedEffect) -> bool {
         let candidates = &self.prepared.candidates;
         let mut narrowed = candidates.clone();
@@ -135,7 +211,8 @@ impl Work {
         let is_known = |known: &Known| {
             candidates.get(known.column).is_some_and(|candidate| candidate.effect() == wanted.effect)
         };
-        narrowed == *candidates && !self.prepared.known.iter().any(is_known)
+        let is_left_out = self.left_out.is_some_and(|sensor| wanted.effect.acts_on(sensor));
+        narrowed == *candidates && !self.prepared.known.iter().any(is_known) && !is_left_out
     }
 
     /// The diagnosis that it found.
@@ -174,7 +251,10 @@ impl Work {
     ) -> Result<Option<LearningProblem>, Cancelled> {
         let Some(first) = flights.first() else { return Ok(None) };
         let model = first.replay.model();
-        let prepared = Prepared::new(flights, hold_outs, model, Some(tried), executor);
+        let mut prepared = Prepared::new(flights, hold_outs, model, Some(tried), executor);
+        if let Some(sensor) = self.left_out {
+            prepared.leave_out(sensor);
+        }
         step(progress)?;
         let prior = noise_prior(&prepared, model);
         let bench = Bench { prepared: &prepared, prior: &prior, executor };
@@ -288,4 +368,65 @@ fn untested(candidates: &[Candidate], flights: &[NamedReplay<'_>], epochs: &[Epo
         }
     }
     untested
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::diagnosis::SensorDiagnosis;
+    use crate::name::Name;
+
+    fn unknown() -> SensorDiagnosis {
+        SensorDiagnosis { verdict: Verdict::UnknownEffect, ..SensorDiagnosis::default() }
+    }
+
+    fn set(effects: [&'static str; 2]) -> SensorDiagnosis {
+        SensorDiagnosis {
+            verdict: Verdict::Indistinguishable,
+            indistinguishable: vec![effects.map(Name::from).to_vec()],
+            ..SensorDiagnosis::default()
+        }
+    }
+
+    fn diagnosis(imu: SensorDiagnosis, baro: Option<SensorDiagnosis>, gps: SensorDiagnosis) -> Diagnosis {
+        let mut diagnosis = Diagnosis::default();
+        diagnosis.sensors.insert("imu_slave".into(), imu);
+        diagnosis.sensors.insert("gps".into(), gps);
+        if let Some(baro) = baro {
+            diagnosis.sensors.insert("baro".into(), baro);
+        }
+        diagnosis
+    }
+
+    #[test]
+    fn an_unknown_effect_is_left_out_only_beside_sets_of_the_reference() {
+        let quiet = SensorDiagnosis::default;
+        let cancelling = || set(["baro.warm_up", "gps.convergence"]);
+        let found = |imu, baro, gps| doubtful_sensor(&diagnosis(imu, baro, gps));
+        assert_eq!(found(unknown(), Some(cancelling()), cancelling()), Some(Sensor::ImuSlave));
+        assert_eq!(found(unknown(), Some(quiet()), cancelling()), Some(Sensor::ImuSlave));
+        let shared = || set(["imu.velocity_error", "gps.convergence"]);
+        assert_eq!(found(shared(), Some(unknown()), shared()), Some(Sensor::Baro));
+        assert_eq!(found(set(["imu.tilt", "imu.gyro_bias"]), Some(unknown()), quiet()), None);
+        // There is nothing else to diagnose, or nothing to diagnose it by.
+        assert_eq!(found(unknown(), Some(quiet()), quiet()), None);
+        assert_eq!(found(unknown(), Some(unknown()), cancelling()), None);
+        assert_eq!(found(unknown(), None, cancelling()), None);
+        assert_eq!(found(quiet(), Some(cancelling()), cancelling()), None);
+        // What is identified may have been by the other sensor's help.
+        let identified = SensorDiagnosis { missing: vec!["baro.lag".into()], ..cancelling() };
+        assert_eq!(found(unknown(), Some(identified), cancelling()), None);
+    }
+
+    #[test]
+    fn the_unknown_effect_is_said_with_the_diagnosis_of_the_others() {
+        let first = diagnosis(unknown(), Some(set(["baro.warm_up", "gps.convergence"])), unknown());
+        let mut again = Diagnosis::default();
+        again.sensors.insert("baro".into(), SensorDiagnosis::default());
+        take_over(&mut again, Sensor::ImuSlave, &first);
+        assert_eq!(again.verdict, Verdict::UnknownEffect);
+        assert_eq!(again.sensors["imu_slave"], first.sensors["imu_slave"]);
+        assert_eq!(again.sensors["baro"], SensorDiagnosis::default());
+        assert!(again.warnings[0].starts_with("imu_slave has an error that no effect"), "{again:?}");
+    }
 }

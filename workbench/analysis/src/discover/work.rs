@@ -10,7 +10,7 @@ use super::screen::{Screen, Subject};
 use super::search::{Scored, Search};
 use super::signals::Signals;
 use crate::diagnose::NamedReplay;
-use crate::diagnose::parts::{Judged, NoiseFit, judged};
+use crate::diagnose::parts::{Doubtful, Judged, NoiseFit, judged};
 use crate::name::Name;
 use crate::progress::{Cancelled, Progress, step};
 
@@ -31,7 +31,7 @@ pub fn discover(
     executor: &dyn Executor,
 ) -> Result<Discovery, Cancelled> {
     let then = |judged: &Judged<'_, '_>, progress: &mut Progress<'_>| laws(judged, progress, executor);
-    let (diagnosis, found) = judged(flights, hold_outs, None, progress, executor, then)?;
+    let (diagnosis, found) = judged(flights, hold_outs, None, Doubtful::Kept, progress, executor, then)?;
     let mut discovery = found.map(|(discovery, _)| discovery).unwrap_or_default();
     discovery.version = Discovery::VERSION;
     discovery.verdict = diagnosis.verdict;

@@ -25,7 +25,7 @@ use super::problem::{Known, Problem};
 use super::rivals;
 use super::weigher;
 use super::wind;
-use super::work::{Judged, Work, judged};
+use super::work::{Doubtful, Judged, Work, judged};
 use crate::progress::{Cancelled, Progress};
 
 /// What the flights show, for planning.
@@ -123,7 +123,7 @@ pub fn diagnose_further(
     executor: &dyn Executor,
 ) -> Result<(Diagnosis, Option<Further>), Cancelled> {
     let of = |judged: &Judged<'_, '_>, _: &mut Progress<'_>| Ok(Planner::of(judged));
-    let (diagnosis, made) = judged(flights, hold_outs, None, progress, executor, of)?;
+    let (diagnosis, made) = judged(flights, hold_outs, None, Doubtful::LeftOut, progress, executor, of)?;
     let further = made.map(|(mut planner, work)| {
         planner.sets.retain(|set| set.is_reported(&diagnosis));
         Further { planner, work }
