@@ -18,6 +18,9 @@
 //! 7. `judge`: the verdicts, what may act weakly where nothing was found, and the `learning_problem` that one
 //!    effect's coefficient is learned from.
 //!
+//! Where something unknown acts on one sensor, and sets concern the reference, it does this again without that
+//! sensor.
+//!
 //! `planner`: what one more flight would show, before it is flown.
 //!
 //! `study` is a diagnosis that ends in a learning problem, for `crate::learn`.

@@ -83,7 +83,7 @@ pub(crate) fn judged<T>(
     loop {
         let prior = noise_prior(&prepared, model);
         let bench = Bench { prepared: &prepared, prior: &prior, executor };
-        let outcome = bench.work(|judge| {
+        let (diagnosis, outcome) = bench.work(|judge| {
             let mut search = Search::new(judge.problem, judge.suspects);
             let explanation =
                 if prepared.has_climb_rate { search.run(progress)? } else { search.start(progress)? };
@@ -99,7 +99,7 @@ pub(crate) fn judged<T>(
                 && doubtful == Doubtful::LeftOut
                 && let Some(sensor) = doubtful_sensor(&diagnosis).filter(may_leave_out)
             {
-                return Ok(Outcome::Without(sensor, diagnosis));
+                return Ok((diagnosis, Outcome::Without(sensor)));
             }
             diagnosis.version = Diagnosis::VERSION;
             let named = flights.iter().zip(&prepared.epochs);
@@ -107,14 +107,15 @@ pub(crate) fn judged<T>(
             diagnosis.hold_outs = hold_outs.iter().map(|named| named.file.clone()).collect();
             let judged = Judged { judge, prepared: &prepared, findings: &findings };
             let made = then.take().map(|then| then(&judged, progress)).transpose()?;
-            Ok(Outcome::Final(diagnosis, made, findings, search.into_seen()))
+            Ok((diagnosis, Outcome::Final(Box::new((made, findings, search.into_seen())))))
         })?;
         match outcome {
-            Outcome::Without(sensor, diagnosis) => {
+            Outcome::Without(sensor) => {
                 prepared.leave_out(sensor);
                 without = Some((sensor, diagnosis));
             }
-            Outcome::Final(diagnosis, made, findings, seen) => {
+            Outcome::Final(result) => {
+                let (made, findings, seen) = *result;
                 let left_out = without.map(|(sensor, _)| sensor);
                 let work = Work { diagnosis: diagnosis.clone(), prepared, prior, findings, seen, left_out };
                 return Ok((diagnosis, made.map(|made| (made, work))));
@@ -123,11 +124,12 @@ pub(crate) fn judged<T>(
     }
 }
 
-/// What a diagnosis came to.
+/// What becomes of a diagnosis.
 enum Outcome<T> {
     /// It is to be made again without this sensor ([`Doubtful::LeftOut`]).
-    Without(Sensor, Diagnosis),
-    Final(Diagnosis, Option<T>, Findings, Seen),
+    Without(Sensor),
+    /// The result of `then`, and what it is based on.
+    Final(Box<(Option<T>, Findings, Seen)>),
 }
 
 /// The sensor on which something unknown acts, if sets concern the reference and nothing is identified. What
