@@ -114,7 +114,8 @@ pub fn unexplained(
     found
 }
 
-/// Every function of every signal, on an inertial altitude their integrals too, and a jump where the sensor's innovations are largest.
+/// Every function of every signal, on an inertial altitude also every signal's integrals, and a jump where the
+/// sensor's innovations are largest.
 fn tests(
     problem: &Problem<'_>,
     epochs: &[Epochs],

@@ -1,6 +1,8 @@
 //! What a remainder may follow: functions of signals with a lag, their integrals since launch, a play on the
 //! altitude, jumps; and their columns.
 
+use statistics::Moments;
+
 use super::epochs::Epochs;
 use super::series::BySensor;
 use super::signals::CLIMBED;
@@ -16,8 +18,8 @@ pub const PLAYS_M: [f64; 4] = [4.0, 10.0, 25.0, 60.0];
 pub enum Test {
     /// A function of a signal, through a low pass.
     Signal { signal: usize, shape: Shape, lag_s: f64 },
-    /// A signal about its mean in captive flight, integrated once or twice since launch: how an inertial
-    /// altitude shows an error of its velocity or of its acceleration.
+    /// A signal about its mean in captive flight, integrated once or twice since launch: this is how an
+    /// inertial altitude shows an error of its velocity or of its acceleration.
     Integral { signal: usize, times: Times },
     /// Elastic hysteresis: the sensor follows only when the altitude has moved on by the half-width.
     Play { half_width_m: f64 },
@@ -142,17 +144,19 @@ fn signal_values(epochs: &Epochs, signal: usize, shape: Shape, lag_s: f64) -> Ve
     shaped.collect()
 }
 
-/// A signal about its mean in captive flight, or about its mean where none was recorded, integrated since
-/// launch; zero where a flight lacks the signal. A block's value is that at its middle.
+/// A signal about its mean in captive flight, or in the whole flight where captive flight lacks it, integrated
+/// since launch; zero where the flight lacks the signal. A block's value is that at its middle.
 fn integral(epochs: &Epochs, signal: usize, times: Times) -> Vec<f64> {
     let series = &epochs.series;
     let values: Vec<f64> = epochs.signals.iter().map(|block| block[signal]).collect();
-    let Some(mean) =
-        mean(values.iter().zip(&series.free).filter(|(_, free)| !**free).map(|(value, _)| *value))
-            .or_else(|| mean(values.iter().copied()))
-    else {
-        return vec![0.0; values.len()];
-    };
+    let (mut captive, mut all) = (Moments::default(), Moments::default());
+    for (value, free) in values.iter().zip(&series.free).filter(|(value, _)| value.is_finite()) {
+        all.push(*value);
+        if !*free {
+            captive.push(*value);
+        }
+    }
+    let Some(mean) = captive.mean().or(all.mean()) else { return vec![0.0; values.len()] };
     let (mut once, mut twice) = (0.0, 0.0);
     let mut last: Option<(f64, f64)> = None;
     let integrals = values.iter().zip(&series.time_s).zip(&series.free).map(|((value, time_s), free)| {
@@ -172,14 +176,6 @@ fn integral(epochs: &Epochs, signal: usize, times: Times) -> Vec<f64> {
         }
     });
     integrals.collect()
-}
-
-/// The mean of those that are known.
-fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (sum, count) = values
-        .filter(|value| value.is_finite())
-        .fold((0.0, 0_u32), |(sum, count), value| (sum + value, count + 1));
-    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// What a play adds to altitudes, metres; zero where there is no altitude.

@@ -34,14 +34,14 @@ pub fn diagnose(
     Ok(judged(flights, hold_outs, None, Doubtful::LeftOut, progress, executor, |_, _| Ok(()))?.0)
 }
 
-/// What becomes of a sensor on which something acts that is not in the catalogue, where sets of effects concern
-/// the reference.
+/// What a diagnosis does with a sensor on which something outside the catalogue acts, where sets of effects
+/// concern the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Doubtful {
-    /// The others are diagnosed again without it: an effect of the reference is in all sensors, and one that
-    /// cancels with an effect on another sensor may imitate the error of this one alone.
+    /// Diagnoses the others again without it. An effect of the reference is in all sensors. If an effect on
+    /// another sensor cancels it there, the two together look like an error of this sensor alone.
     LeftOut,
-    /// It stays, because its error is what is looked for.
+    /// Keeps it, because its error is what is looked for.
     Kept,
 }
 
@@ -132,9 +132,9 @@ enum Outcome<T> {
     Final(Box<(Option<T>, Findings, Seen)>),
 }
 
-/// The sensor on which something unknown acts, if sets concern the reference and nothing is identified. What
-/// is identified has been distinguished from everything else, and may have been by this sensor's help; sets of
-/// one sensor's own effects come from its own readings.
+/// The sensor on which something unknown acts, if sets concern the reference and nothing is identified. An
+/// identified effect has been distinguished from all others, perhaps with this sensor's help. Sets of another
+/// sensor's own effects come from that sensor's readings.
 fn doubtful_sensor(diagnosis: &Diagnosis) -> Option<Sensor> {
     let free = || Sensor::ALL.into_iter().filter(|sensor| sensor.flies_free());
     let of = |sensor: Sensor| diagnosis.sensors.get(sensor.name());
@@ -147,7 +147,7 @@ fn doubtful_sensor(diagnosis: &Diagnosis) -> Option<Sensor> {
     (unknown.next().is_none() && has_other && is_of_reference && !is_identified).then_some(sensor)
 }
 
-/// Completes a diagnosis that was made without a sensor by what the first one, with all of them, says of it.
+/// Adds to a diagnosis that was made without a sensor what the first one, made with all sensors, says of it.
 fn take_over(diagnosis: &mut Diagnosis, sensor: Sensor, first: &Diagnosis) {
     let name = sensor.name();
     if let Some(found) = first.sensors.get(name) {
